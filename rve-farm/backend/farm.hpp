@@ -1,0 +1,74 @@
+#pragma once
+// Many RVEs spread over the threads of this machine. An RVE belongs to one thread during a macro step, so the number of
+// threads changes no bit of any answer.
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/math/matrix.hpp"
+#include "common/packing/packing.hpp"
+#include "common/physics/rve_parameters.hpp"
+#include "rve-farm/assembly/assembly.hpp"
+#include "rve-farm/backend/answer.hpp"
+#include "rve-farm/physics/physics.hpp"
+
+namespace talik::farm {
+
+struct FarmOptions {
+    int threads = 0; // 0 = all that OpenMP offers
+    // Tests: visit every phase in an order scrambled by this seed (ShuffledTeam); must give the same bits.
+    std::optional<std::uint64_t> shuffle_seed;
+    // Called by the thread that finished an RVE, from several threads at once: only for advancing progress counters.
+    std::function<void()> on_rve_done;
+};
+
+class Farm {
+public:
+    // packing_of_rve[id] is the index of the packing that RVE `id` starts from. Grain density and thickness are those of
+    // `parameters`. Refuses (bad_input) a time_step beyond the stable one, naming the largest stable step.
+    Farm(const RveParameters& parameters, const std::vector<Packing>& packings, const std::vector<int>& packing_of_rve,
+         FarmOptions options = {});
+
+    int size() const { return static_cast<int>(assemblies_.size()); }
+    const RveParameters& parameters() const { return parameters_; }
+
+    // One macro step of the RVEs `ids` (any subset, no id twice).
+    //   displacement_gradient_increments: dt grad v, row-major (xx xy yx yy) for each of the ids
+    //   ice_saturation: S_i in [0, 1] of each (Eq. 8); empty means 1 (bonds, where there are any, at full strength)
+    //   time_increment: of the macro step, s. substeps: 0 = the parameters' (fixed, or ceil(dt / time_step))
+    void advance(std::span<const std::uint32_t> ids, std::span<const double> displacement_gradient_increments,
+                 std::span<const double> ice_saturation, double time_increment, int substeps, std::span<Answer> answers);
+
+    // The present state of one RVE, without stepping.
+    Answer measure(int id) const;
+    Matrix cell(int id) const;             // in fixed axes, columns are the basis vectors, m
+    Packing packing(int id) const;         // with its contacts that carry force or bond: imports to the same state
+    double largest_stable_step(int id) const; // 2/omega_max of the contact network (power iteration), s
+
+    void activate_bonds(); // all contacts touching at this moment, in every RVE
+    void activate_bonds(int id);
+    void set_friction(double friction); // mu of all RVEs, for preparing packings
+    void reset_velocities(int id);      // discs at rest
+    void reset_tangential_forces(int id); // forgets the shear history of all contacts
+
+    // Everything of one RVE, in bytes, list orders included: what is loaded goes on with the same bits.
+    // load returns the number of bytes it has used.
+    void save(int id, std::vector<std::byte>& bytes) const;
+    std::size_t load(int id, std::span<const std::byte> bytes);
+
+    // RVEs finished since the farm was made; readable from any thread.
+    std::uint64_t rves_done() const { return rves_done_.load(std::memory_order_relaxed); }
+
+private:
+    RveParameters parameters_;
+    FarmOptions options_;
+    AnyPhysics physics_;
+    std::vector<Assembly> assemblies_;
+    std::atomic<std::uint64_t> rves_done_{0};
+};
+
+} // namespace talik::farm
