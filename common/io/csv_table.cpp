@@ -1,11 +1,12 @@
 #include "common/io/csv_table.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdlib>
-#include <fstream>
+#include <sstream>
 
 #include <fmt/format.h>
+
+#include "common/io/text_file.hpp"
 
 namespace talik {
 namespace {
@@ -86,8 +87,7 @@ Error CsvTable::fault(std::size_t row, const std::string& problem, const std::st
 }
 
 CsvTable read_csv(const std::string& file) {
-    std::ifstream in(file);
-    require(in.good(), file + ": cannot be read", "check the path");
+    std::istringstream in(read_text_file(file));
     CsvTable table;
     table.file = file;
     std::string line;
@@ -116,13 +116,7 @@ void write_csv(const std::string& file, const std::vector<std::string>& comments
         ensure(row.size() == columns.size());
         text += fmt::format("{}\n", fmt::join(row, ","));
     }
-    errno = 0;
-    std::ofstream out(file);
-    out << text;
-    out.close();
-    if (out.fail())
-        fail(errno == ENOSPC ? ExitCode::out_of_resource : ExitCode::bad_input, file + ": cannot be written",
-             errno == ENOSPC ? "the disk is full: make room" : "check that the folder exists and may be written to");
+    write_file_atomically(file, text);
 }
 
 } // namespace talik

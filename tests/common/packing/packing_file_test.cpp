@@ -1,0 +1,68 @@
+#include "common/packing/packing_file.hpp"
+
+#include "common/base/error.hpp"
+#include "common/io/hdf5_file.hpp"
+#include "common/packing/packing_csv.hpp"
+#include "tests/support/text.hpp"
+
+using namespace talik;
+
+namespace {
+
+const std::string path = TALIK_BINARY_DIR "/packing_test.h5";
+
+std::string problem_of_reading(const std::string& file) {
+    try {
+        read_packings(file);
+    } catch (const Error& e) {
+        return e.what();
+    }
+    return "";
+}
+
+} // namespace
+
+TEST_CASE("a packing file returns every field of every packing, bit by bit, in order") {
+    const std::string yade = TALIK_SOURCE_DIR "/tests/reference/yade/packing_";
+    Packing first = read_packing_csv(yade + "medium_particles.csv", yade + "medium_contacts.csv");
+    first.seed = 42;
+    first.contacts[3].bonded = true;
+    Packing second = read_packing_csv(yade + "loose_particles.csv"); // no contacts
+    second.velocity_x.clear(), second.velocity_y.clear(), second.spin.clear();
+    write_packings(path, "test", {first, second}, "discs = 400");
+    const auto read = read_packings(path);
+    REQUIRE(read.size() == 2);
+    CHECK(read[0].cell == first.cell);
+    CHECK(read[0].x == first.x);
+    CHECK(read[0].y == first.y);
+    CHECK(read[0].radius == first.radius);
+    CHECK(read[0].velocity_x == first.velocity_x);
+    CHECK(read[0].velocity_y == first.velocity_y);
+    CHECK(read[0].spin == first.spin);
+    CHECK(read[0].thickness == first.thickness);
+    CHECK(read[0].grain_density == first.grain_density);
+    CHECK(read[0].pressure == first.pressure);
+    CHECK(read[0].seed == 42);
+    REQUIRE(read[0].contacts.size() == first.contacts.size());
+    for (std::size_t c = 0; c < first.contacts.size(); ++c) {
+        CHECK(read[0].contacts[c].first == first.contacts[c].first);
+        CHECK(read[0].contacts[c].second == first.contacts[c].second);
+        CHECK(read[0].contacts[c].image == first.contacts[c].image);
+        CHECK(read[0].contacts[c].tangential_force == first.contacts[c].tangential_force);
+        CHECK(read[0].contacts[c].bonded == first.contacts[c].bonded);
+    }
+    CHECK(read[1].velocity_x.empty());
+    CHECK(read[1].contacts.empty());
+    CHECK(Hdf5File::open(path).read_text("/specification") == "discs = 400");
+}
+
+TEST_CASE("a packing file that is missing, of another kind or inconsistent is named with the mend") {
+    CHECK_CONTAINS(problem_of_reading("absent.h5"), "absent.h5: does not exist");
+    Hdf5File::create(path, "test", "talik-fields 1").close();
+    CHECK_CONTAINS(problem_of_reading(path), "has the format \"talik-fields 1\"");
+    Packing p;
+    p.x = p.y = p.radius = {0.5};
+    p.contacts.push_back({0, 3, {0, 0}, 0.0, false});
+    write_packings(path, "test", {p});
+    CHECK_CONTAINS(problem_of_reading(path), "a contact names a disc that is not there");
+}
