@@ -1,0 +1,76 @@
+#pragma once
+// A rigid, flat wall along an axis, whose face may move and stand between node rows.
+//
+// On every line of nodes normal to it, the wall asks that the velocity interpolated at its face be its own,
+//     (1-s) v_j + s v_{j+1} = V,
+// s the face's fraction between the rows j (outside) and j+1 (inside). These weights are the linear hats at the face, and
+// points that tile the body up to the face load the two rows in just this ratio, so a uniform stress is in equilibrium
+// with the wall wherever it stands. The condition is imposed by the correction of least momentum (Gauss's principle):
+// the multiplier is the wall's impulse, and a field linear in the normal direction that satisfies it is left alone.
+// Rows further out carry little mass (points that overlap the face under compression); they are held on the same line
+// through the face, so that linear fields stay untouched there too. All this is one mass-weighted projection of the
+// line's nodal velocities on {V + a d_k}, d_k the distances from the face.
+#include <vector>
+
+#include "mpm-driver/app/scene.hpp"
+#include "mpm-driver/boundary/wall_motion.hpp"
+#include "mpm-driver/grid/grid.hpp"
+#include "mpm-driver/points/state_column.hpp"
+
+namespace talik::driver {
+
+// What a wall did in one step. Work and dissipation are of the step.
+struct WallReaction {
+    Vector force = Vector::Zero(); // total force of the wall on the body, N, the part of the confining pressure included
+    double contact_area = 0.0;     // m^2: mean cross-section of the material beneath the face
+    Vector impulse = Vector::Zero(); // of the constraint alone (without the confining pressure), N s
+    double work = 0.0;             // of the constraint at the wall's velocity, J
+    double friction_dissipation = 0.0; // J
+};
+
+class Wall {
+public:
+    Wall(const WallSpec& spec, const Grid& grid);
+
+    const std::string& name() const { return spec_.name; }
+    const WallSpec& spec() const { return spec_; }
+    double position() const { return motion_.position(); } // of the face, m
+    double velocity() const { return velocity_; }          // along its axis in the present step, m/s
+    int axis() const { return axis_; }                     // of the normal
+    const WallReaction& reaction() const { return reaction_; }
+
+    void start_moving() { motion_.start(); }
+    void stop() { motion_.stop(); }
+
+    // The calls of one step, in this order; the middle two are repeated where walls meet (boundary/walls.hpp).
+    void start_step(const Grid& grid, double dt, double confining_pressure);
+    void constrain_normal(Grid& grid);
+    void constrain_tangential(Grid& grid);
+    void finish_step(const Grid& grid);
+
+    bool has_tangential() const { return spec_.kind == "fixed" || spec_.friction > 0.0; }
+    std::vector<StateColumn> state();
+
+private:
+    // One line of nodes normal to the wall. Impulses in N s, along the inward normal and along the wall.
+    struct Line {
+        double normal_impulse = 0.0, tangential_impulse = 0.0;
+        double area = 0.0; // of contact, m^2
+    };
+
+    void locate_face(const Grid& grid);
+    void measure_contact(const Grid& grid);
+    double project(Grid& grid, int line, int component, double target, double scale_to, bool apply);
+    bool touches(const Line& line) const;
+
+    WallSpec spec_;
+    WallMotion motion_;
+    int axis_, tangent_, inward_; // inward_: +1 where the material lies on the side of larger coordinates
+    double velocity_ = 0.0, dt_ = 0.0, pressure_ = 0.0;
+    int outer_row_ = 0;      // row j
+    double fraction_ = 0.0;  // s in [0, 1): from row j towards the material
+    std::vector<Line> lines_;
+    WallReaction reaction_;
+};
+
+} // namespace talik::driver

@@ -1,0 +1,99 @@
+#pragma once
+// A run of the macro solver: owns grid, points, walls, laws, clock and ledger, and takes steps.
+//
+//     Simulation simulation(scene, std::move(laws));
+//     while (!simulation.finished()) simulation.step(simulation.next_step());
+//
+// Restart: construct from the same scene, restore the laws' own files, then fill the columns of state().
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mpm-driver/app/scene.hpp"
+#include "mpm-driver/boundary/prescribed_field.hpp"
+#include "mpm-driver/boundary/wall.hpp"
+#include "mpm-driver/constitutive/law.hpp"
+#include "mpm-driver/grid/grid.hpp"
+#include "mpm-driver/mechanics/ledger.hpp"
+#include "mpm-driver/mechanics/schedule.hpp"
+#include "mpm-driver/mechanics/step_limit.hpp"
+#include "mpm-driver/mechanics/supports.hpp"
+#include "mpm-driver/points/points.hpp"
+
+namespace talik::driver {
+
+class Simulation {
+public:
+    using Laws = std::map<std::string, std::unique_ptr<Law>>; // by the name the bodies use: "elastic", "rve"
+
+    // The bodies' densities must be set (from the packing where the scene gives none).
+    Simulation(const Scene& scene, Laws laws);
+    Simulation(const Simulation&) = delete; // the schedule refers to this object
+    Simulation& operator=(const Simulation&) = delete;
+
+    bool finished() const { return stage() >= static_cast<int>(scene_.stages.size()); }
+    double next_step() const;          // s: the fixed one, or safety times the limit, cut at the end of a stage
+    StepLimit stable_step() const;     // Eq. (42), for the present state
+    void step(double dt);              // refuses a dt beyond the limit
+
+    double time() const { return clock_.time; }                                       // s
+    std::int64_t steps_done() const { return static_cast<std::int64_t>(clock_.step); }
+    int stage() const { return static_cast<int>(clock_.stage); }                      // index into scene.stages
+    double end_time() const;                                                          // s, at most
+
+    const Scene& scene() const { return scene_; }
+    const Grid& grid() const { return grid_; }
+    const Points& points() const { return points_; }
+    Points& points() { return points_; } // for initial conditions beyond what a scene says
+    const std::vector<Wall>& walls() const { return walls_; }
+    const Ledger& ledger() const { return ledger_; }
+    const Schedule& schedule() const { return schedule_; }
+    const Laws& laws() const { return laws_; }
+    Law& law(const std::string& name) { return *laws_.at(name); }
+
+    void prescribe(const PrescribedField& field) { prescribed_ = field; } // all nodes, from now on
+
+    // Every double a bit-exact restart needs beside the scene and the laws' own state.
+    std::vector<StateColumn> state();
+
+private:
+    struct Clock { // doubles only: it travels as a column of the state
+        double time = 0.0, step = 0.0, stage = 0.0, stage_start = 0.0, internal_work_at_stage_start = 0.0;
+    };
+    struct LawPoints {
+        Law* law;
+        std::vector<std::uint32_t> ids;
+    };
+
+    void build_schedule();
+    void begin_laws();
+    void open_ledger();
+    void enter_stage();
+    void leave_stage_when_done();
+    const StageSpec& present_stage() const;
+
+    void advance_grid();
+    void constrain_grid();
+    void submit_to_laws();
+    void collect_from_laws();
+    void book_step();
+
+    Scene scene_;
+    Laws laws_;
+    Grid grid_;
+    Points points_;
+    std::vector<double> half_size_; // l_p by body, m
+    Supports supports_;
+    std::vector<Wall> walls_;
+    std::vector<LawPoints> law_points_;
+    std::optional<PrescribedField> prescribed_;
+    Schedule schedule_;
+    Ledger ledger_;
+    Clock clock_;
+    double dt_ = 0.0; // of the present step, s
+};
+
+} // namespace talik::driver
