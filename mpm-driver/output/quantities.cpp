@@ -1,0 +1,114 @@
+#include "mpm-driver/output/quantities.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace talik::driver {
+namespace {
+
+// Logarithmic strain ln V of F = V R: its axes are those of b = F F^T, in fixed axes.
+Matrix logarithmic_strain(const Matrix& deformation) {
+    const Eigen::SelfAdjointEigenSolver<Matrix> left(Matrix(deformation * deformation.transpose()));
+    return left.eigenvectors() * (0.5 * left.eigenvalues().array().log()).matrix().asDiagonal() * left.eigenvectors().transpose();
+}
+
+// Equivalent strain in two dimensions, sqrt(e:e / 2), e the deviator of the logarithmic strain (docs: departure from
+// Eq. 48b, whose 2/7 is a misprint).
+double equivalent_strain(const Matrix& strain) {
+    const Matrix deviator = strain - 0.5 * strain.trace() * Matrix::Identity();
+    return std::sqrt(0.5 * deviator.squaredNorm());
+}
+
+struct Means {
+    double volume = 0.0;
+    Stress stress = Stress::Zero();
+    Matrix strain = Matrix::Zero();
+};
+
+// Volume averages over all points.
+Means mean_state(const Points& points) {
+    Means means;
+    for (std::size_t p = 0; p < points.count(); ++p) {
+        means.volume += points.volume[p];
+        means.stress += points.volume[p] * points.stress[p];
+        means.strain += points.volume[p] * logarithmic_strain(points.deformation[p]);
+    }
+    means.stress /= means.volume;
+    means.strain /= means.volume;
+    return means;
+}
+
+template <class Value>
+FieldColumn column(const Points& points, std::string name, std::string unit, int components, Value&& value) {
+    FieldColumn out{std::move(name), std::move(unit), components, {}};
+    out.data.reserve(points.count() * static_cast<std::size_t>(components));
+    for (std::size_t p = 0; p < points.count(); ++p) value(p, out.data);
+    return out;
+}
+
+} // namespace
+
+std::vector<HistoryValue> history_values(const Simulation& simulation) {
+    const Points& points = simulation.points();
+    const Ledger& ledger = simulation.ledger();
+    const Means means = mean_state(points);
+    double fastest = 0.0;
+    for (const Vector& v : points.velocity) fastest = std::max(fastest, v.norm());
+
+    std::vector<HistoryValue> out = {{"stage", static_cast<double>(simulation.stage())}};
+    for (const Wall& wall : simulation.walls()) {
+        out.push_back({wall.name() + "_position_m", wall.position()});
+        out.push_back({wall.name() + "_force_x_N", wall.reaction().force.x()});
+        out.push_back({wall.name() + "_force_y_N", wall.reaction().force.y()});
+        out.push_back({wall.name() + "_contact_area_m2", wall.reaction().contact_area});
+    }
+    const std::vector<HistoryValue> rest = {
+        {"volume_m3", means.volume},
+        {"mean_stress_xx_Pa", means.stress[0]},
+        {"mean_stress_yy_Pa", means.stress[1]},
+        {"mean_stress_xy_Pa", means.stress[2]},
+        {"mean_strain_xx", means.strain(0, 0)},
+        {"mean_strain_yy", means.strain(1, 1)},
+        {"mean_strain_xy", means.strain(0, 1)},
+        {"largest_speed_m/s", fastest},
+        {"energy_kinetic_J", ledger.kinetic},
+        {"energy_work_of_walls_J", ledger.wall_work},
+        {"energy_work_of_pressure_J", ledger.pressure_work},
+        {"energy_work_of_gravity_J", ledger.gravity_work},
+        {"energy_internal_work_J", ledger.internal_work},
+        {"energy_stored_J", ledger.stored},
+        {"energy_dissipated_in_material_J", ledger.law_dissipation},
+        {"energy_wall_friction_J", ledger.wall_friction},
+        {"energy_wall_impact_J", ledger.wall_impact},
+        {"energy_transfer_J", ledger.transfer},
+        {"energy_pic_J", ledger.pic},
+        {"energy_grid_damping_J", ledger.grid_damping},
+        {"energy_particle_damping_J", ledger.particle_damping},
+        {"balance_mass", ledger.mass_error()},
+        {"balance_momentum", ledger.momentum_error()},
+        {"balance_energy", ledger.energy_error()},
+    };
+    out.insert(out.end(), rest.begin(), rest.end());
+    return out;
+}
+
+std::vector<FieldColumn> field_columns(const Simulation& simulation) {
+    const Points& points = simulation.points();
+    using Data = std::vector<double>;
+    std::vector<FieldColumn> out;
+    out.push_back(column(points, "position", "m", 2, [&](std::size_t p, Data& d) { d.insert(d.end(), {points.position[p].x(), points.position[p].y()}); }));
+    out.push_back(column(points, "displacement", "m", 3, [&](std::size_t p, Data& d) { const Vector u = points.displacement(p); d.insert(d.end(), {u.x(), u.y(), 0.0}); }));
+    out.push_back(column(points, "velocity", "m/s", 3, [&](std::size_t p, Data& d) { d.insert(d.end(), {points.velocity[p].x(), points.velocity[p].y(), 0.0}); }));
+    out.push_back(column(points, "stress", "Pa, xx yy xy, tension positive", 3, [&](std::size_t p, Data& d) { const Stress& s = points.stress[p]; d.insert(d.end(), {s[0], s[1], s[2]}); }));
+    out.push_back(column(points, "strain", "-, logarithmic, xx yy xy, tension positive", 3, [&](std::size_t p, Data& d) { const Matrix e = logarithmic_strain(points.deformation[p]); d.insert(d.end(), {e(0, 0), e(1, 1), e(0, 1)}); }));
+    out.push_back(column(points, "equivalent_strain", "-", 1, [&](std::size_t p, Data& d) { d.push_back(equivalent_strain(logarithmic_strain(points.deformation[p]))); }));
+    out.push_back(column(points, "volume", "m3", 1, [&](std::size_t p, Data& d) { d.push_back(points.volume[p]); }));
+    out.push_back(column(points, "density", "kg/m3", 1, [&](std::size_t p, Data& d) { d.push_back(points.density(p)); }));
+    out.push_back(column(points, "body", "-", 1, [&](std::size_t p, Data& d) { d.push_back(points.body[p]); }));
+    for (const auto& [name, law] : simulation.laws())
+        for (const StateColumn& c : law->columns())
+            out.push_back({c.name, c.unit, static_cast<int>(c.components.size()), {c.data, c.data + c.size()}});
+    return out;
+}
+
+} // namespace talik::driver
