@@ -60,7 +60,7 @@ private:
             return target.value;
         }
         const double error = target.value - present.stress[component]; // Pa; positive calls for extension
-        // xy: the tensor component of the strain meets 2 C66, and C66 is below half of the bound of the P-wave modulus.
+        // xy: the tensor component of the strain meets 2 C66, which is about the same bound again.
         // Without contacts there is nothing to measure: the assembly is then closed (or opened) at the largest rate.
         const double stiffness = std::max(present.stiffness, 1e-9 * std::abs(error));
         const double wanted = stiffness > 0 ? error / (stiffness * time_increment) : 0; // 1/s

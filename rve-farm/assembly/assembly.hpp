@@ -1,0 +1,52 @@
+#pragma once
+// One RVE: its arena, made from a packing and turned back into one, saved and loaded.
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/packing/packing.hpp"
+#include "common/physics/rve_parameters.hpp"
+#include "rve-farm/assembly/columns.hpp"
+
+namespace talik::farm {
+
+class Assembly {
+public:
+    // Tangential forces and bonds of the packing's contacts are honoured; forces are those of the positions.
+    Assembly(const RveParameters& parameters, const Packing& packing);
+    Assembly(Assembly&&) noexcept = default;
+    Assembly& operator=(Assembly&&) noexcept = default;
+
+    AssemblyView& view() { return view_; }
+    const AssemblyView& view() const { return view_; }
+    const AssemblyNumbers& numbers() const { return *numbers_; }
+    const ColumnChoice& columns() const { return columns_; }
+
+    Packing packing(double grain_density) const;
+
+    void save(std::vector<std::byte>& bytes) const;
+    std::size_t load(std::span<const std::byte> bytes); // returns the bytes used
+
+private:
+    void allocate(int discs, int contact_capacity);
+    void import_discs(const RveParameters& parameters, const Packing& packing);
+    void import_contacts(const RveParameters& parameters, const Packing& packing);
+
+    ColumnChoice columns_;
+    std::vector<std::byte> arena_; // sized once
+    std::unique_ptr<AssemblyNumbers> numbers_;
+    AssemblyView view_{};
+};
+
+// Entries of a column in use.
+inline int entries(const AssemblyNumbers& n, Extent extent) {
+    switch (extent) {
+    case Extent::discs: return static_cast<int>(n.disc_count);
+    case Extent::disc_offsets: return static_cast<int>(n.disc_count) + 1;
+    case Extent::contacts: return static_cast<int>(n.contact_count);
+    }
+    return 0;
+}
+
+} // namespace talik::farm

@@ -1,0 +1,22 @@
+#pragma once
+// The list of candidate contacts, with a skin: who could touch before the discs have moved, or the cell has stretched, by
+// more than a bound. Canonical order (first, second, image), so that the same state gives the same list and bits.
+#include "rve-farm/assembly/columns.hpp"
+
+namespace talik::farm {
+
+enum class Search { automatic, linked_cells, brute_force };
+
+// Has a pair outside the list possibly come into touch? With strains bounded by e since the list was built and each disc
+// displaced by at most u, a pair that was r_i + r_j + skin apart is still exp(-e) (r_i + r_j + skin) - 2 u apart.
+bool list_is_spent(const AssemblyNumbers& numbers);
+
+// Reduces the basis, wraps the discs into the cell, finds the candidates and carries over what the contacts remember:
+// forces, tangential forces, bonds. Bonded pairs are kept however far apart. False: the list is full, and unchanged.
+// Scratch memory belongs to the thread, and grows to the largest assembly it has seen.
+bool rebuild_neighbours(AssemblyView& s, const ColumnChoice& columns, Search search = Search::automatic);
+
+// incoming_begin, incoming: the contacts whose `second` is a disc, in list order.
+void index_incoming(AssemblyView& s);
+
+} // namespace talik::farm

@@ -1,0 +1,31 @@
+#pragma once
+// Brittle ice bonds, Eqs. (6)-(8) of the paper. "No bonds" is a member of the family with nothing in it.
+#include "rve-farm/physics/contact.hpp"
+
+namespace talik::farm {
+
+struct NoBond {
+    static constexpr bool exists = false; // no column, no code
+};
+
+// While bonded the normal spring acts in tension too and the tangential force is not cut at the Coulomb limit.
+template <class Real>
+struct BrittleBond {
+    static constexpr bool exists = true;
+    Real normal_strength;     // c_n, Pa
+    Real tangential_strength; // c_t, Pa
+    Real strength_factor;     // beta_a, -
+
+    // beta_b = beta_a S_i (Eq. 8), -
+    TALIK_HOST_DEVICE Real reduced_strength(Real ice_saturation) const { return strength_factor * ice_saturation; }
+
+    // The bond breaks for good once the tension exceeds F_nb = beta_b c_n r^2 (Eq. 6) or the shear F_tb = beta_b c_t r^2
+    // (Eq. 7), r the smaller radius, m. Compression alone never breaks it.
+    TALIK_HOST_DEVICE bool breaks(ContactForce<Real> force, Real smaller_radius, Real beta) const {
+        const Real area = smaller_radius * smaller_radius;
+        const Real shear = force.tangential < 0 ? -force.tangential : force.tangential;
+        return -force.normal > beta * normal_strength * area || shear > beta * tangential_strength * area;
+    }
+};
+
+} // namespace talik::farm

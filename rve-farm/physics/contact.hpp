@@ -1,0 +1,58 @@
+#pragma once
+// The contact of two discs without a bond, Eqs. (5a)-(5c) of the paper.
+#include "common/team/cpu_team.hpp"
+
+namespace talik::farm {
+
+// The force of a contact on its `second` disc, along n (from first to second) and t = (-n_y, n_x).
+template <class Real>
+struct ContactForce {
+    Real normal = 0;     // f_n, N; positive pushes the discs apart
+    Real tangential = 0; // f_t, N
+};
+
+template <class Real>
+struct ContactLaw {
+    Real normal_stiffness;     // k_n, N/m
+    Real tangential_stiffness; // k_t, N/m
+    Real friction;             // mu, -
+
+    // Both springs at work and nothing lost: f_n = k_n delta (Eq. 5a), f_t = f_t,old - k_t du_t (Eq. 5b).
+    // overlap: delta, m. slip_increment: du_t, relative displacement of `second` along t in this sub-step, m.
+    TALIK_HOST_DEVICE ContactForce<Real> elastic(Real overlap, Real old_tangential, Real slip_increment) const {
+        return {normal_stiffness * overlap, old_tangential - tangential_stiffness * slip_increment};
+    }
+
+    // What a contact without bond can bear: no tension, and |f_t| scaled back to mu f_n (Eq. 5c).
+    TALIK_HOST_DEVICE ContactForce<Real> limited(ContactForce<Real> trial) const {
+        if (!(trial.normal > 0)) return {0, 0};
+        const Real limit = friction * trial.normal; // mu f_n, N
+        if (trial.tangential > limit) trial.tangential = limit;
+        if (trial.tangential < -limit) trial.tangential = -limit;
+        return trial;
+    }
+
+    // Energy stored in the two springs, J: f_n^2 / 2 k_n + f_t^2 / 2 k_t.
+    TALIK_HOST_DEVICE Real stored_energy(ContactForce<Real> force) const {
+        return force.normal * force.normal / (2 * normal_stiffness) +
+               force.tangential * force.tangential / (2 * tangential_stiffness);
+    }
+
+    // Friction work of a sub-step, J: (f_t,old + f_t)/2 times the slip of the slider, (f_t,trial - f_t)/k_t. In steady
+    // sliding mu f_n times the slip. The mean of old and new force, because that is what the trapezoidal work of leapfrog
+    // puts into the contact: so the ledger closes.
+    TALIK_HOST_DEVICE Real friction_loss(Real old_tangential, Real trial_tangential, Real tangential) const {
+        return (old_tangential + tangential) * (trial_tangential - tangential) / (2 * tangential_stiffness);
+    }
+
+    // Energy lost when a bond breaks and the trial force falls to the actual one, at the end of a sub-step in which the
+    // discs moved apart by `opening` and past one another by `slip_increment`, J. The second term is again the difference
+    // to the trapezoidal work.
+    TALIK_HOST_DEVICE Real breaking_loss(ContactForce<Real> trial, ContactForce<Real> actual, Real opening,
+                                         Real slip_increment) const {
+        return stored_energy(trial) - stored_energy(actual) +
+               ((trial.normal - actual.normal) * opening + (trial.tangential - actual.tangential) * slip_increment) / 2;
+    }
+};
+
+} // namespace talik::farm
