@@ -1,0 +1,112 @@
+#include "mpm-driver/output/checkpoint.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/base/log.hpp"
+#include "common/base/version.hpp"
+#include "common/io/hdf5_file.hpp"
+#include "common/io/text_file.hpp"
+
+namespace talik::driver {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* format = "talik-driver-checkpoint 1";
+constexpr const char* prefix = "checkpoint-";
+
+std::vector<fs::path> whole_checkpoints(const fs::path& folder) {
+    std::vector<fs::path> found;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        const std::string name = entry.path().filename().string();
+        if (entry.is_directory() && name.starts_with(prefix) && !name.ends_with(".part")) found.push_back(entry.path());
+    }
+    std::sort(found.begin(), found.end()); // steps are padded with zeros: the order of names is the order of steps
+    return found;
+}
+
+// A rename is on disk only once the folder that holds the name is.
+void sync_folder(const fs::path& path) {
+    const int folder = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (folder < 0) return;
+    ::fsync(folder);
+    ::close(folder);
+}
+
+void write_driver_state(Simulation& simulation, const fs::path& path) {
+    Hdf5File file = Hdf5File::create(path.string(), "mpm-driver", format);
+    file.set_attribute("/", "scene_hash", simulation.scene().hash);
+    file.set_attribute("/", "build", build_facts("mpm-driver"));
+    file.set_attribute("/", "step", simulation.steps_done());
+    file.set_attribute("/", "time", simulation.time());
+    for (const StateColumn& column : simulation.state()) {
+        file.write("/" + column.name, std::span<const double>(column.data, column.size()), column.components.size());
+        file.set_attribute("/" + column.name, "unit", column.unit);
+    }
+    file.flush();
+    file.close();
+}
+
+} // namespace
+
+Checkpoints::Checkpoints(fs::path output_folder, int keep) : folder_(std::move(output_folder)), keep_(keep) {
+    for (const auto& entry : fs::directory_iterator(folder_)) { // halves of a run that was killed while it wrote
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with(prefix) && name.ends_with(".part")) fs::remove_all(entry.path());
+    }
+}
+
+fs::path Checkpoints::write(Simulation& simulation) {
+    const fs::path target = folder_ / fmt::format("{}{:09}", prefix, simulation.steps_done());
+    const fs::path part = target.string() + ".part";
+    fs::remove_all(part);
+    make_folder(part);
+    for (const auto& [name, law] : simulation.laws()) {
+        make_folder(part / name);
+        law->checkpoint((part / name).string());
+    }
+    write_driver_state(simulation, part / "driver.h5");
+    fs::remove_all(target); // of the same step, by a run that went on from here before
+    std::error_code problem;
+    fs::rename(part, target, problem);
+    if (problem) fail_to_write(target, problem.value());
+    sync_folder(folder_);
+    newest_ = target;
+    remove_older();
+    return target;
+}
+
+void Checkpoints::remove_older() const {
+    const auto found = whole_checkpoints(folder_);
+    const auto mine = std::find(found.begin(), found.end(), newest_) - found.begin();
+    for (std::ptrdiff_t i = 0; i + keep_ <= mine; ++i) fs::remove_all(found[static_cast<std::size_t>(i)]);
+}
+
+void restore_checkpoint(Simulation& simulation, const fs::path& checkpoint) {
+    const fs::path path = checkpoint / "driver.h5";
+    if (!fs::exists(path))
+        throw Error(ExitCode::bad_input, checkpoint.string(), "is not a checkpoint (it holds no driver.h5)",
+                    "give one of the folders checkpoint-* of an output folder to --restart");
+    const Hdf5File file = Hdf5File::open(path.string());
+    file.require_format(format);
+    if (file.text_attribute("/", "scene_hash") != simulation.scene().hash)
+        throw Error(ExitCode::bad_input, checkpoint.string(), "belongs to another scene, or to this one before it was changed",
+                    "restart with the very scene (and --set options) that wrote it");
+    if (file.text_attribute("/", "build") != build_facts("mpm-driver"))
+        log::warn("{} was written by another build: the restart need not be the same to the bit", checkpoint.string());
+    for (const auto& [name, law] : simulation.laws()) law->restore((checkpoint / name).string());
+    for (const StateColumn& column : simulation.state()) {
+        const auto array = file.read<double>("/" + column.name);
+        if (array.values.size() != column.size())
+            throw Error(ExitCode::bad_input, path.string(), "its column " + column.name + " has another length than the scene calls for",
+                        "restart with the very scene that wrote it");
+        std::copy(array.values.begin(), array.values.end(), column.data);
+    }
+}
+
+} // namespace talik::driver
