@@ -1,0 +1,102 @@
+#include "mpm-driver/output/summary.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/base/progress.hpp"
+#include "common/base/version.hpp"
+#include "common/io/text_file.hpp"
+
+namespace talik::driver {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+bool any_stage(const Scene& scene, auto&& holds) {
+    for (const StageSpec& stage : scene.stages)
+        if (holds(stage)) return true;
+    return false;
+}
+
+} // namespace
+
+Effects effects_of(const Scene& scene) {
+    Effects effects;
+    const auto say = [&](const std::string& name, bool on, const std::string& why_on, const std::string& why_off) {
+        (on ? effects.on : effects.off).push_back(name + ": " + (on ? why_on : why_off));
+    };
+    bool wall_friction = false;
+    for (const WallSpec& wall : scene.walls) wall_friction |= wall.friction > 0.0;
+    say("mechanics", true, "always, in this version", "");
+    say("RVEs", scene.rve.has_value(), "[rve] is in the scene", "no [rve] in the scene: no farm is started");
+    say("elastic law", scene.elastic.has_value(), "[elastic] is in the scene", "no [elastic] in the scene");
+    say("bonds", scene.rve && scene.rve->parameters.bond, "[rve.bond] is in the scene", "no [rve.bond] in the scene");
+    say("local damping of discs", scene.rve && scene.rve->parameters.damping > 0.0, "rve.damping > 0", "rve.damping is 0, or no RVEs");
+    say("fluctuation stress", scene.rve && scene.rve->parameters.fluctuation_stress, "rve.fluctuation_stress is true", "rve.fluctuation_stress is false");
+    say("confining pressure", scene.confining_pressure != 0.0, "confining_pressure is set", "confining_pressure is 0");
+    say("gravity", any_stage(scene, [](const StageSpec& s) { return s.gravity.squaredNorm() > 0.0; }), "a stage sets it", "no stage sets it");
+    say("moving walls", any_stage(scene, [](const StageSpec& s) { return !s.moves.empty(); }), "a stage moves one", "no stage moves one");
+    say("wall friction", wall_friction, "a wall has friction", "no wall has friction");
+    say("damping of points and grid", any_stage(scene, [](const StageSpec& s) { return s.particle_damping > 0.0 || s.grid_damping > 0.0; }), "a stage sets it", "no stage sets it");
+    say("heat", false, "", "not part of this version");
+    say("phase change", false, "", "not part of this version");
+    return effects;
+}
+
+void write_summary(const std::filesystem::path& path, const Simulation& simulation, const RunFacts& facts) {
+    const Scene& scene = simulation.scene();
+    const Ledger& ledger = simulation.ledger();
+    const Effects effects = effects_of(scene);
+    Json json;
+    json["title"] = scene.title;
+    json["scene"] = scene.file;
+    json["scene_hash"] = scene.hash;
+    json["version"] = version();
+    json["build"] = build_facts("mpm-driver");
+    json["farm"] = facts.farm;
+    json["seed"] = scene.seed;
+    json["effects"] = {{"on", effects.on}, {"off", effects.off}};
+    json["schedule"] = simulation.schedule().table_of_contents();
+    json["steps"] = simulation.steps_done();
+    json["time_end"] = simulation.time();
+    json["points"] = simulation.points().count();
+    json["rves"] = facts.rves;
+    json["rve_evaluations"] = {{"asked", facts.evaluations_asked}, {"done", facts.evaluations_done}, {"avoided", Json::object()}};
+    json["rve_split_steps"] = facts.split_steps;
+    json["dem_time_step_s"] = facts.dem_time_step;
+    json["mean_time_step_s"] = simulation.steps_done() > 0 ? simulation.time() / static_cast<double>(simulation.steps_done()) : 0.0;
+    // The clocks of DEM and MPM agree where the sub-steps of a macro step add up to it, as they do by construction.
+    json["clock_ratio"] = 1.0;
+    json["confining_pressure_Pa"] = scene.confining_pressure;
+    for (const Wall& wall : simulation.walls()) json["walls"].push_back({{"name", wall.name()}, {"side", wall.spec().side}});
+    json["wall_seconds"]["total"] = facts.wall_seconds;
+    for (const auto& [stage, seconds] : facts.stage_seconds) json["wall_seconds"][stage] = seconds;
+    json["cpu_seconds"] = facts.cpu_seconds;
+    json["waiting_seconds"] = {{"driver", facts.waiting_driver}, {"farm", facts.waiting_farm}};
+    json["balance"] = {{"mass", ledger.mass_error()}, {"momentum", ledger.momentum_error()}, {"energy", ledger.energy_error()}, {"heat", nullptr}};
+    json["energy_J"] = {{"input", ledger.input_work()}, {"kinetic", ledger.kinetic}, {"internal_work", ledger.internal_work},
+                        {"stored", ledger.stored}, {"dissipated_in_material", ledger.law_dissipation}, {"pic", ledger.pic},
+                        {"transfer", ledger.transfer}, {"grid_damping", ledger.grid_damping},
+                        {"particle_damping", ledger.particle_damping}, {"wall_friction", ledger.wall_friction}};
+    json["warnings"] = facts.warnings;
+    json["exit"] = facts.exit;
+    if (!facts.cause.empty()) json["cause"] = facts.cause;
+    write_file_atomically(path, json.dump(2) + "\n");
+}
+
+std::string summary_table(const Simulation& simulation, const RunFacts& facts) {
+    const Ledger& ledger = simulation.ledger();
+    std::string text;
+    const auto row = [&](const std::string& name, const std::string& value) { text += fmt::format("  {:<28}{}\n", name, value); };
+    row("simulated", fmt::format("{:.6g} s in {} steps", simulation.time(), simulation.steps_done()));
+    row("points, RVEs", fmt::format("{}, {}", simulation.points().count(), facts.rves));
+    if (facts.rves > 0) row("RVE evaluations", fmt::format("{} ({} with extra sub-steps)", facts.evaluations_done, facts.split_steps));
+    row("wall time", fmt::format("{} ({:.1f} s)", readable_duration(facts.wall_seconds), facts.wall_seconds));
+    if (facts.rves > 0) row("waiting", fmt::format("driver {:.1f} s, farm {:.1f} s", facts.waiting_driver, facts.waiting_farm));
+    row("balance errors", fmt::format("mass {:.1e}, momentum {:.1e}, energy {:.1e}", ledger.mass_error(), ledger.momentum_error(), ledger.energy_error()));
+    for (const auto& warning : facts.warnings) row("warning", warning);
+    return text;
+}
+
+} // namespace talik::driver

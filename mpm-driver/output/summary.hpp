@@ -1,0 +1,37 @@
+#pragma once
+// summary.json: what a run was, what it cost, and how well its balances close.
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "mpm-driver/mechanics/simulation.hpp"
+
+namespace talik::driver {
+
+struct Effects {
+    std::vector<std::string> on, off; // each with its reason: "bonds: [rve.bond] is in the scene"
+};
+Effects effects_of(const Scene& scene);
+
+// What a run adds to what the simulation itself knows.
+struct RunFacts {
+    std::string farm;                        // "rve-farm 0.1.0, 2 threads"; empty where no RVE is called for
+    std::int64_t rves = 0;
+    std::int64_t evaluations_asked = 0, evaluations_done = 0;
+    std::int64_t split_steps = 0;            // RVE steps that took more sub-steps than asked for
+    double dem_time_step = 0.0;              // s, of the last macro step; 0 where no RVE is called for
+    double wall_seconds = 0.0, cpu_seconds = 0.0;
+    std::vector<std::pair<std::string, double>> stage_seconds;
+    double waiting_driver = 0.0, waiting_farm = 0.0; // s
+    std::vector<std::string> warnings;
+    int exit = 0;
+    std::string cause;                       // of the end, where it was not the scene's
+};
+
+void write_summary(const std::filesystem::path& path, const Simulation& simulation, const RunFacts& facts);
+
+// The short table a run ends with.
+std::string summary_table(const Simulation& simulation, const RunFacts& facts);
+
+} // namespace talik::driver
