@@ -1,0 +1,17 @@
+#pragma once
+// Ctrl-C and SIGTERM as a question that loops and waits ask, so that both programs end in order: the driver finishes its
+// step and writes a checkpoint; the farm serves it meanwhile. A second signal ends waits at once, a third kills.
+
+namespace talik {
+
+void watch_interrupts(); // installs the handlers of SIGINT, SIGTERM and SIGHUP; called once by main()
+
+bool interrupted() noexcept;
+int interrupt_count() noexcept;
+int interrupting_signal() noexcept;       // the first one; 0 where there was none
+double seconds_since_interrupt() noexcept; // 0 where there was none
+const char* interrupt_name() noexcept;    // "SIGINT"; "" where there was none
+
+void forget_interrupts() noexcept; // for tests
+
+} // namespace talik
