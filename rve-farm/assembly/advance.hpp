@@ -6,7 +6,7 @@
 #include "rve-farm/assembly/neighbours.hpp"
 #include "rve-farm/assembly/phases.hpp"
 #include "rve-farm/assembly/stable_step.hpp"
-#include "rve-farm/backend/answer.hpp"
+#include "rve-farm/assembly/answer.hpp"
 
 namespace talik::farm {
 

@@ -11,10 +11,14 @@
 
 namespace talik::farm {
 
+// Refuses (bad_input) a packing that is malformed, or was made for discs of another thickness or density.
+void check(const Packing& packing, const RveParameters& parameters);
+
 class Assembly {
 public:
     // Tangential forces and bonds of the packing's contacts are honoured; forces are those of the positions.
     Assembly(const RveParameters& parameters, const Packing& packing);
+    Assembly(const Assembly& other); // another RVE in the same state
     Assembly(Assembly&&) noexcept = default;
     Assembly& operator=(Assembly&&) noexcept = default;
 
@@ -29,12 +33,12 @@ public:
     std::size_t load(std::span<const std::byte> bytes); // returns the bytes used
 
 private:
-    void allocate(int discs, int contact_capacity);
+    void allocate(std::int64_t discs, std::int64_t contact_capacity);
     void import_discs(const RveParameters& parameters, const Packing& packing);
-    void import_contacts(const RveParameters& parameters, const Packing& packing);
+    void import_contacts(const Packing& packing);
 
     ColumnChoice columns_;
-    std::vector<std::byte> arena_; // sized once
+    std::unique_ptr<std::byte[]> arena_; // sized once; pages beyond the contacts in use are never touched
     std::unique_ptr<AssemblyNumbers> numbers_;
     AssemblyView view_{};
 };

@@ -1,7 +1,7 @@
 #pragma once
 // What an RVE answers: stress, energies and numbers of its present state. Every sum runs in list order.
 #include "rve-farm/assembly/columns.hpp"
-#include "rve-farm/backend/answer.hpp"
+#include "rve-farm/assembly/answer.hpp"
 #include "rve-farm/physics/contact.hpp"
 
 namespace talik::farm {

@@ -214,6 +214,8 @@ void reorder_contacts(AssemblyView& s, const ColumnChoice& columns, Scratch& scr
     s.numbers->contact_count = static_cast<std::int64_t>(list.size());
 }
 
+} // namespace
+
 void index_owned(AssemblyView& s) {
     int c = 0;
     for (int i = 0; i <= s.disc_count(); ++i) {
@@ -221,8 +223,6 @@ void index_owned(AssemblyView& s) {
         s.owned_begin[i] = c;
     }
 }
-
-} // namespace
 
 void index_incoming(AssemblyView& s) {
     const int discs = s.disc_count();

@@ -16,6 +16,9 @@ bool list_is_spent(const AssemblyNumbers& numbers);
 // Scratch memory belongs to the thread, and grows to the largest assembly it has seen.
 bool rebuild_neighbours(AssemblyView& s, const ColumnChoice& columns, Search search = Search::automatic);
 
+// owned_begin: the contacts whose `first` is a disc, which are contiguous.
+void index_owned(AssemblyView& s);
+
 // incoming_begin, incoming: the contacts whose `second` is a disc, in list order.
 void index_incoming(AssemblyView& s);
 

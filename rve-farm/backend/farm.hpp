@@ -13,7 +13,7 @@
 #include "common/packing/packing.hpp"
 #include "common/physics/rve_parameters.hpp"
 #include "rve-farm/assembly/assembly.hpp"
-#include "rve-farm/backend/answer.hpp"
+#include "rve-farm/assembly/answer.hpp"
 #include "rve-farm/physics/physics.hpp"
 
 namespace talik::farm {
@@ -44,6 +44,8 @@ public:
                  std::span<const double> ice_saturation, double time_increment, int substeps, std::span<Answer> answers);
 
     // The present state of one RVE, without stepping.
+    Assembly& assembly(int id);
+    const Assembly& assembly(int id) const;
     Answer measure(int id) const;
     Matrix cell(int id) const;             // in fixed axes, columns are the basis vectors, m
     Packing packing(int id) const;         // with its contacts that carry force or bond: imports to the same state

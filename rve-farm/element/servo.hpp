@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "rve-farm/backend/answer.hpp"
+#include "rve-farm/assembly/answer.hpp"
 
 namespace talik::farm {
 

@@ -1,0 +1,157 @@
+#include "rve-farm/backend/service.hpp"
+
+#include <map>
+#include <string>
+
+#include "common/base/error.hpp"
+#include "common/io/byte_stream.hpp"
+#include "common/io/hdf5_file.hpp"
+#include "common/packing/farm_setup.hpp"
+#include "common/physics/rve_columns.hpp"
+
+namespace talik::farm {
+namespace {
+
+constexpr const char* format = "talik-farm-checkpoint 1";
+using Reader = double (*)(const Answer&);
+
+// How each column the farm offers is read from an answer: one row per column, one reader per component.
+const std::map<std::string, std::vector<Reader>>& readers() {
+    static const std::map<std::string, std::vector<Reader>> table = {
+        {"stress", {[](const Answer& a) { return a.stress[0]; }, [](const Answer& a) { return a.stress[1]; }, [](const Answer& a) { return a.stress[2]; }}},
+        {"status", {[](const Answer& a) { return static_cast<double>(a.status); }}},
+        {"stiffness", {[](const Answer& a) { return a.stiffness; }}},
+        {"coordination_number", {[](const Answer& a) { return a.coordination_number; }}},
+        {"broken_bonds", {[](const Answer& a) { return static_cast<double>(a.broken_bonds); }}},
+        {"bonds", {[](const Answer& a) { return static_cast<double>(a.bonds); }}},
+        {"stored_energy", {[](const Answer& a) { return a.stored_energy; }}},
+        {"kinetic_energy", {[](const Answer& a) { return a.kinetic_energy; }}},
+        {"friction_dissipation", {[](const Answer& a) { return a.friction_dissipation; }}},
+        {"damping_dissipation", {[](const Answer& a) { return a.damping_dissipation; }}},
+        {"bond_dissipation", {[](const Answer& a) { return a.bond_dissipation; }}},
+        {"work", {[](const Answer& a) { return a.work; }}},
+        {"cell_area", {[](const Answer& a) { return a.cell_area; }}},
+        {"void_ratio", {[](const Answer& a) { return a.void_ratio; }}},
+        {"split_steps", {[](const Answer& a) { return static_cast<double>(a.split_steps); }}},
+    };
+    return table;
+}
+
+} // namespace
+
+std::vector<Column> Service::understands() const { return rve_columns::requests(); }
+std::vector<Column> Service::offers() const { return rve_columns::answers(); }
+
+void Service::agreed(const exchange::Hello& driver) {
+    request_columns_ = exchange::ColumnTable(driver.request_columns);
+    answer_columns_ = exchange::ColumnTable(driver.answer_columns);
+    readers_.clear();
+    for (const Column& column : answer_columns_.columns())
+        for (Reader reader : readers().at(column.name)) readers_.push_back(reader);
+}
+
+std::vector<std::byte> Service::configure(std::span<const std::byte> payload, exchange::Channel& progress) {
+    const FarmSetup setup = decode_farm_setup(payload);
+    progress_ = &progress;
+    FarmOptions options;
+    options.threads = threads_;
+    options.on_rve_done = [this] {
+        if (progress_) progress_->advance_progress(farm_->rves_done(), progress_total_);
+    };
+    farm_.emplace(setup.parameters, setup.packings, setup.packing_of_rve, options);
+    memory_ = exchange::AnswerMemory(farm_->size(), answer_columns_);
+
+    const auto count = static_cast<std::size_t>(farm_->size());
+    std::vector<double> initial(readers_.size() * count);
+    for (std::size_t id = 0; id < count; ++id) {
+        const Answer now = farm_->measure(static_cast<int>(id));
+        for (std::size_t component = 0; component < readers_.size(); ++component)
+            initial[component * count + id] = readers_[component](now);
+        progress.advance_progress(id + 1, count);
+    }
+    ByteWriter out;
+    out.array(initial);
+    return out.take();
+}
+
+Farm& Service::farm() {
+    require(farm_.has_value(), "the farm was asked before it was set up", "send `configure` first");
+    return *farm_;
+}
+
+void Service::answer(const exchange::Batch& request, exchange::Batch& answer, exchange::Channel& progress) {
+    memory_.recall(request, answer, rows_);
+    const int gradient = request_columns_.index("displacement_gradient_increment");
+    const int ice = request_columns_.index("ice_saturation");
+    const std::size_t count = rows_.size();
+    ids_.resize(count);
+    increments_.resize(4 * count);
+    ice_.resize(ice < 0 ? 0 : count);
+    answers_.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto row = static_cast<std::size_t>(rows_[i]);
+        ids_[i] = request.ids()[row];
+        for (int c = 0; c < 4; ++c) increments_[4 * i + static_cast<std::size_t>(c)] = request.component(gradient, c)[row];
+        if (ice >= 0) ice_[i] = request.component(ice, 0)[row];
+    }
+    progress_ = &progress;
+    progress_total_ = farm().rves_done() + count;
+    const auto& clock = request.header();
+    farm().advance(ids_, increments_, ice_, clock.time_increment, static_cast<int>(clock.substeps), answers_);
+    for (std::size_t component = 0; component < readers_.size(); ++component) {
+        const auto column = answer.component(static_cast<int>(component));
+        for (std::size_t i = 0; i < count; ++i) column[static_cast<std::size_t>(rows_[i])] = readers_[component](answers_[i]);
+    }
+    memory_.remember(request, answer, rows_);
+}
+
+std::vector<std::byte> Service::command(const std::string& name, std::span<const std::byte> /*payload*/) {
+    require(name == "activate bonds", "the farm knows no command \"" + name + "\"", "it knows: activate bonds");
+    require(farm().parameters().bond.has_value(), "bonds cannot be activated: the RVEs have no bond law", "add [rve.bond] to the scene");
+    farm().activate_bonds();
+    return {};
+}
+
+void Service::checkpoint(const std::string& path) {
+    Hdf5File file = Hdf5File::create(path, "rve-farm", format);
+    std::vector<std::byte> bytes;
+    std::vector<std::int64_t> ends; // of each RVE's bytes, by id
+    for (int id = 0; id < farm().size(); ++id) {
+        farm().save(id, bytes);
+        ends.push_back(static_cast<std::int64_t>(bytes.size()));
+    }
+    ByteWriter memory;
+    memory_.save(memory);
+    const auto plain = [](std::span<const std::byte> b) {
+        return std::span<const std::uint8_t>(reinterpret_cast<const std::uint8_t*>(b.data()), b.size());
+    };
+    file.write("/rves/bytes", plain(bytes));
+    file.write("/rves/ends", ends);
+    file.write("/answers", plain(memory.bytes()));
+    file.flush();
+    file.close();
+}
+
+void Service::restore(const std::string& path) {
+    const Hdf5File file = Hdf5File::open(path);
+    file.require_format(format);
+    const auto bytes = file.read<std::uint8_t>("/rves/bytes").values;
+    const auto ends = file.read<std::int64_t>("/rves/ends").values;
+    const auto answers = file.read<std::uint8_t>("/answers").values;
+    const auto sound = [&](bool holds) {
+        if (!holds) throw Error(ExitCode::bad_input, path, "holds other RVEs than the scene calls for", "restart with the very scene that wrote it");
+    };
+    sound(ends.size() == static_cast<std::size_t>(farm().size()));
+    std::size_t begin = 0;
+    for (int id = 0; id < farm().size(); ++id) {
+        const auto end = static_cast<std::size_t>(ends[static_cast<std::size_t>(id)]);
+        sound(begin <= end && end <= bytes.size());
+        const std::span<const std::byte> own(reinterpret_cast<const std::byte*>(bytes.data()) + begin, end - begin);
+        sound(farm().load(id, own) == own.size());
+        begin = end;
+    }
+    ByteReader memory({reinterpret_cast<const std::byte*>(answers.data()), answers.size()}, path);
+    memory_.load(memory);
+}
+
+} // namespace talik::farm
