@@ -1,0 +1,174 @@
+#include "mpm-driver/constitutive/farm_law.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <random>
+
+#include "common/base/error.hpp"
+#include "common/io/byte_stream.hpp"
+#include "common/io/hdf5_file.hpp"
+#include "common/physics/rve_columns.hpp"
+
+namespace talik::driver {
+namespace {
+
+namespace columns_of = rve_columns;
+
+// Answers that the driver only passes on to its output.
+const std::array<Column, 6> reported_columns = {columns_of::coordination_number, columns_of::void_ratio, columns_of::bonds,
+                                                columns_of::broken_bonds, columns_of::work, columns_of::split_steps};
+constexpr std::size_t split_steps_column = 5;
+
+std::vector<Column> asked_for() {
+    std::vector<Column> asked = {columns_of::stress, columns_of::status, columns_of::stiffness, columns_of::stored_energy,
+                                 columns_of::kinetic_energy, columns_of::friction_dissipation, columns_of::damping_dissipation,
+                                 columns_of::bond_dissipation};
+    asked.insert(asked.end(), reported_columns.begin(), reported_columns.end());
+    return asked;
+}
+
+} // namespace
+
+std::vector<int> deal_packings(int count, int packings, std::uint64_t seed) {
+    std::vector<int> dealt(static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) dealt[static_cast<std::size_t>(i)] = i % packings;
+    std::mt19937_64 random(seed); // its numbers are the same everywhere; std::shuffle's order is not
+    for (std::size_t i = dealt.size(); i > 1; --i) std::swap(dealt[i - 1], dealt[random() % i]);
+    return dealt;
+}
+
+FarmLaw::FarmLaw(exchange::Channel& channel, exchange::Hello hello, FarmSetup setup, std::uint64_t seed)
+    : farm_(channel), hello_(std::move(hello)), setup_(std::move(setup)), seed_(seed) {
+    hello_.role = exchange::Role::driver;
+    hello_.request_columns = {columns_of::displacement_gradient_increment};
+    hello_.answer_columns = asked_for();
+    answer_columns_ = exchange::ColumnTable(hello_.answer_columns);
+    const auto at = [&](const Column& column) { return answer_columns_.first_component(answer_columns_.index(column.name)); };
+    at_ = {at(columns_of::stress), at(columns_of::status), at(columns_of::stiffness), at(columns_of::stored_energy), at(columns_of::kinetic_energy),
+           at(columns_of::friction_dissipation), at(columns_of::damping_dissipation), at(columns_of::bond_dissipation)};
+    row_.resize(static_cast<std::size_t>(answer_columns_.components()));
+}
+
+void FarmLaw::begin(std::span<const std::uint32_t> ids, const Points& points, LawAnswer initial) {
+    point_of_rve_.assign(ids.begin(), ids.end());
+    rve_of_point_.assign(points.count(), 0);
+    reported_.assign(reported_columns.size(), std::vector<double>(points.count(), 0.0));
+    const auto count = static_cast<std::uint32_t>(ids.size());
+    for (std::uint32_t rve = 0; rve < count; ++rve) rve_of_point_[ids[rve]] = rve;
+    setup_.packing_of_rve = deal_packings(static_cast<int>(count), static_cast<int>(setup_.packings.size()), seed_);
+    for (std::uint32_t rve = 0; rve < count; ++rve) {
+        const Packing& packing = setup_.packings[static_cast<std::size_t>(setup_.packing_of_rve[rve])];
+        const double rve_volume = std::abs(packing.cell.determinant()) * setup_.parameters.thickness;
+        scale_.push_back(points.initial_volume[ids[rve]] / rve_volume);
+    }
+
+    farm_program_ = farm_.connect(hello_).program;
+    const auto said = farm_.configure(encode(setup_));
+    ByteReader in(said, "the answer to configure");
+    const auto values = in.array<double>();
+    require(values.size() == row_.size() * count, "the farm was set up with another number of RVEs", "use mpm-driver and rve-farm of one version");
+    for (std::uint32_t rve = 0; rve < count; ++rve) {
+        for (std::size_t component = 0; component < row_.size(); ++component) row_[component] = values[component * count + rve];
+        take(rve, row_.data(), initial);
+    }
+    answer_ = farm_.make_answer(static_cast<int>(count));
+    setup_.packings.clear(); // the farm has them now
+}
+
+void FarmLaw::submit(const LawRequest& request, LawAnswer answer) {
+    out_ = answer;
+    step_ = request.step;
+    time_ += request.time_increment;
+    farm_.begin_step({request.step, request.time_increment, static_cast<std::uint32_t>(setup_.parameters.substeps)}, static_cast<int>(request.ids.size()), answer_);
+    for (std::size_t sent = 0; sent < request.ids.size();) {
+        exchange::Batch& chunk = farm_.next_chunk();
+        const auto rves = chunk.ids();
+        const std::array<std::span<double>, 4> gradient = {chunk.component(0), chunk.component(1), chunk.component(2), chunk.component(3)};
+        for (std::size_t row = 0; row < rves.size(); ++row) {
+            const std::uint32_t point = request.ids[sent + row];
+            const Matrix& increment = request.displacement_gradient_increment[point];
+            rves[row] = rve_of_point_[point];
+            gradient[0][row] = increment(0, 0);
+            gradient[1][row] = increment(0, 1);
+            gradient[2][row] = increment(1, 0);
+            gradient[3][row] = increment(1, 1);
+        }
+        sent += rves.size();
+        farm_.send_chunk();
+    }
+}
+
+void FarmLaw::collect() {
+    farm_.finish_step();
+    const auto rves = answer_.ids();
+    for (std::size_t row = 0; row < rves.size(); ++row) {
+        for (std::size_t component = 0; component < row_.size(); ++component) row_[component] = answer_.component(static_cast<int>(component))[row];
+        check_status(rves[row], row_[static_cast<std::size_t>(at_.status)]);
+        take(rves[row], row_.data(), out_);
+    }
+    evaluations_ += static_cast<std::int64_t>(rves.size());
+}
+
+void FarmLaw::take(std::uint32_t rve, const double* answer, LawAnswer out) {
+    const std::uint32_t point = point_of_rve_[rve];
+    const double scale = scale_[rve];
+    out.stress[point] = {answer[at_.stress], answer[at_.stress + 1], answer[at_.stress + 2]};
+    out.p_wave_modulus[point] = answer[at_.stiffness];
+    out.energy[point] = {scale * answer[at_.stored], scale * answer[at_.kinetic], scale * answer[at_.friction],
+                         scale * answer[at_.damping], scale * answer[at_.bond]};
+    for (std::size_t i = 0; i < reported_columns.size(); ++i)
+        reported_[i][point] = answer[answer_columns_.first_component(answer_columns_.index(reported_columns[i].name))];
+}
+
+void FarmLaw::check_status(std::uint32_t rve, double status) const {
+    if (status == 0.0) return;
+    static const std::array<const char*, 4> names = {"", "its state is no longer finite, or discs moved a good part of their radius in a sub-step",
+                                                     "a disc has more neighbours than there is room for",
+                                                     "the DEM sub-step is beyond the stable one of its contact network"};
+    const auto index = static_cast<std::size_t>(status);
+    fail(ExitCode::failed,
+         fmt::format("the RVE of point {} failed in step {} (after {:.6g} s): {}", point_of_rve_[rve], step_, time_, index < names.size() ? names[index] : "unknown status"),
+         "take a smaller rve.time_step or step, or restart from the last checkpoint with gentler loading");
+}
+
+std::int64_t FarmLaw::split_steps() const {
+    double sum = 0.0;
+    if (!reported_.empty())
+        for (double steps : reported_[split_steps_column]) sum += steps;
+    return static_cast<std::int64_t>(sum);
+}
+
+bool FarmLaw::activate(const std::string& effect) {
+    if (effect != "bonds") return false;
+    farm_.command("activate bonds");
+    return true;
+}
+
+void FarmLaw::checkpoint(const std::string& folder) {
+    farm_.checkpoint(std::filesystem::absolute(std::filesystem::path(folder) / "farm.h5").string());
+    Hdf5File file = Hdf5File::create((std::filesystem::path(folder) / "law.h5").string(), "mpm-driver", "talik-farm-law-checkpoint 1");
+    file.set_attribute("/", "evaluations", evaluations_);
+    file.set_attribute("/", "time", time_);
+    for (std::size_t i = 0; i < reported_columns.size(); ++i) file.write("/" + reported_columns[i].name, reported_[i]);
+    file.close();
+}
+
+void FarmLaw::restore(const std::string& folder) {
+    farm_.restore(std::filesystem::absolute(std::filesystem::path(folder) / "farm.h5").string());
+    const Hdf5File file = Hdf5File::open((std::filesystem::path(folder) / "law.h5").string());
+    evaluations_ = file.integer_attribute("/", "evaluations");
+    time_ = file.number_attribute("/", "time");
+    for (std::size_t i = 0; i < reported_columns.size(); ++i) reported_[i] = file.read<double>("/" + reported_columns[i].name).values;
+}
+
+std::vector<StateColumn> FarmLaw::columns() {
+    std::vector<StateColumn> out;
+    for (std::size_t i = 0; i < reported_columns.size(); ++i)
+        out.push_back({reported_columns[i].name, reported_columns[i].unit, reported_columns[i].meaning, {""}, reported_[i].data(), reported_[i].size()});
+    return out;
+}
+
+} // namespace talik::driver

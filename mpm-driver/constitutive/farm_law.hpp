@@ -1,0 +1,67 @@
+#pragma once
+// The law whose stresses come from a farm of RVEs behind the exchange: one RVE for each of its points.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/packing/farm_setup.hpp"
+#include "exchange/driver_end.hpp"
+#include "mpm-driver/constitutive/law.hpp"
+
+namespace talik::driver {
+
+class FarmLaw : public Law {
+public:
+    // setup.packing_of_rve is filled at begin(): packings are dealt out to the points in an order drawn from `seed`.
+    FarmLaw(exchange::Channel& channel, exchange::Hello hello, FarmSetup setup, std::uint64_t seed);
+
+    std::string name() const override { return "rve"; }
+    void begin(std::span<const std::uint32_t> ids, const Points& points, LawAnswer initial) override;
+    void submit(const LawRequest& request, LawAnswer answer) override;
+    void collect() override;
+    bool activate(const std::string& effect) override;
+    void checkpoint(const std::string& folder) override;
+    void restore(const std::string& folder) override;
+    std::vector<StateColumn> columns() override;
+
+    void bye() { farm_.bye(); }
+    const std::string& farm_program() const { return farm_program_; }
+    std::int64_t rves() const { return static_cast<std::int64_t>(point_of_rve_.size()); }
+    std::int64_t evaluations() const { return evaluations_; }
+    std::int64_t split_steps() const; // over all RVEs, since the start
+
+private:
+    // Where each quantity stands among the components of the agreed answer columns.
+    struct Components {
+        int stress, status, stiffness, stored, kinetic, friction, damping, bond;
+    };
+    void take(std::uint32_t rve, const double* answer, LawAnswer out);
+    void check_status(std::uint32_t rve, double status) const;
+
+    exchange::DriverEnd farm_;
+    exchange::Hello hello_;
+    FarmSetup setup_;
+    std::uint64_t seed_;
+    std::string farm_program_;
+    exchange::ColumnTable answer_columns_;
+    Components at_{};
+
+    std::vector<std::uint32_t> point_of_rve_, rve_of_point_;
+    std::vector<double> scale_; // a point's initial volume over its RVE's, by RVE: energies of the RVE times this are the point's
+
+    // Of the step in flight.
+    exchange::Batch answer_;
+    LawAnswer out_;
+    std::uint64_t step_ = 0;
+    double time_ = 0.0; // s, simulated by the RVEs
+    std::vector<double> row_;
+
+    // The latest of what is only reported: by point of the scene, one column after the other.
+    std::vector<std::vector<double>> reported_;
+    std::int64_t evaluations_ = 0;
+};
+
+// Which of `packings` each of `count` RVEs starts from: as evenly as it goes, in an order drawn from the seed.
+std::vector<int> deal_packings(int count, int packings, std::uint64_t seed);
+
+} // namespace talik::driver
