@@ -34,13 +34,13 @@ std::string quoted(const std::vector<std::string>& words) { return fmt::format("
 
 } // namespace
 
-std::string Fault::text() const { return fmt::format("{}: {}: {} ({})", position, key, problem, remedy); }
+std::string Fault::text() const { return fmt::format("{}: {}{}{} ({})", position, key, key.empty() ? "" : ": ", problem, remedy); }
 
 void throw_if_any(const Faults& faults, const std::string& how_to_list_all) {
     if (faults.empty()) return;
     const Fault& first = faults.front();
     const std::string more = faults.size() == 1 ? "" : fmt::format("; and {} more: {}", faults.size() - 1, how_to_list_all);
-    throw Error(ExitCode::bad_input, first.position + ": " + first.key, first.problem, first.remedy + more);
+    throw Error(ExitCode::bad_input, first.key.empty() ? first.position : first.position + ": " + first.key, first.problem, first.remedy + more);
 }
 
 std::string Range::text(std::string_view unit) const {

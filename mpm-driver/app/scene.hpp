@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/math/matrix.hpp"
-#include "common/physics/rve_parameters.hpp"
+#include "common/packing/packing_spec.hpp"
 
 namespace talik::driver {
 
@@ -70,22 +70,6 @@ struct OutputSpec {
     double history_interval = 0.0;    // s; 0 = every step
     double fields_interval = 0.0;     // s; 0 = start and end only
     double checkpoint_interval = 0.0; // s; 0 = at the end only
-};
-
-// Where the RVEs' packings come from: a file, or a specification (prepared at the first run and cached).
-struct PackingSpec {
-    std::string file;               // empty = by specification
-    int discs = 400;
-    double radius_min = 2.5e-3, radius_max = 5e-3; // m, uniform by number
-    double void_ratio = 0.0;        // target, -
-    double pressure = 1e5;          // Pa, compression positive
-    std::uint64_t seed = 1;
-    int count = 1;                  // packings of seeds seed, seed+1, ...; dealt out to the points in a seeded random order
-};
-
-struct RveSpec {
-    PackingSpec packing;
-    RveParameters parameters;
 };
 
 struct Scene {

@@ -1,0 +1,30 @@
+#pragma once
+// What an RVE starts from and is made of, as a scene or a test asks for it.
+#include <cstdint>
+#include <string>
+
+#include "common/physics/rve_parameters.hpp"
+
+namespace talik {
+
+// Where packings come from: a file of `rve-farm pack`, CSV, or a specification (prepared at the first run and cached).
+struct PackingSpec {
+    std::string file;                              // HDF5; empty = by CSV or specification
+    std::string particles, contacts;               // CSV; empty = by file or specification
+    int discs = 400;
+    double radius_min = 2.5e-3, radius_max = 5e-3; // m, uniform by number
+    double void_ratio = 0.0;                       // target, -; area based
+    double void_ratio_tolerance = 1e-3;            // -
+    double pressure = 1e5;                         // Pa, compression positive
+    std::uint64_t seed = 1;
+    int count = 1;                                 // packings of seeds seed, seed+1, ...; dealt out in a seeded random order
+
+    bool by_specification() const { return file.empty() && particles.empty(); }
+};
+
+struct RveSpec {
+    PackingSpec packing;
+    RveParameters parameters;
+};
+
+} // namespace talik

@@ -1,0 +1,105 @@
+#include "common/scene/rve_tables.hpp"
+
+#include <filesystem>
+
+#include "common/base/version.hpp"
+
+namespace talik::scene {
+namespace {
+
+using enum Dimension;
+
+void check_packing(const PackingSpec& p, const Place& at) {
+    const int sources = at.has("file") + at.has("particles") + at.has("void_ratio");
+    if (sources == 0) at.fault("void_ratio", "is missing", "give void_ratio for a packing to be prepared, or file, or particles");
+    if (sources > 1) at.fault(at.has("file") ? "file" : "particles", "is given beside another source of the packing", "give one of file, particles, void_ratio");
+    if (at.has("contacts") && !at.has("particles")) at.fault("contacts", "is given without particles", "give the CSV file of the discs as well");
+    if (p.radius_max < p.radius_min) at.fault("radius_max", "is smaller than radius_min", "exchange the two");
+}
+
+Table<PackingSpec> packing_table() {
+    using P = PackingSpec;
+    Table<P> table("The packing that RVEs start from: prepared from a void ratio and a pressure, or read from a file.");
+    table.text("file", &P::file, "HDF5 file written by `rve-farm pack`; the path is relative to this file")
+        .text("particles", &P::particles, "CSV file of discs (x, y, radius; cell in its first line)")
+        .text("contacts", &P::contacts, "CSV file of their contacts, with the tangential forces")
+        .whole("discs", &P::discs, at_least(4), "discs in an RVE")
+        .quantity("radius_min", &P::radius_min, length, positive(), "smallest radius; radii are uniform by number")
+        .quantity("radius_max", &P::radius_max, length, positive(), "largest radius")
+        .number("void_ratio", &P::void_ratio, {.least = 0.0, .most = 1.0, .above_least = true}, "target, area based: A_cell / sum(pi r^2) - 1")
+        .number("void_ratio_tolerance", &P::void_ratio_tolerance, {.least = 1e-6, .most = 0.1}, "largest deviation from the target")
+        .quantity("pressure", &P::pressure, Dimension::pressure, positive(), "isotropic pressure it is prepared at, compression positive")
+        .whole("seed", &P::seed, any(), "of every random draw")
+        .whole("count", &P::count, between(1, 9999), "packings, of seeds seed, seed + 1, ...; dealt out to the RVEs in a seeded random order")
+        .check(check_packing);
+    return table;
+}
+
+Table<ContactParameters> contact_table() {
+    using C = ContactParameters;
+    Table<C> table("Contacts without bond: linear springs and Coulomb friction (Eqs. 5a-c).");
+    table.quantity("normal_stiffness", &C::normal_stiffness, stiffness, positive(), "k_n")
+        .quantity("tangential_stiffness", &C::tangential_stiffness, stiffness, not_negative(), "k_t")
+        .number("friction", &C::friction, not_negative(), "Coulomb coefficient mu");
+    return table;
+}
+
+Table<BondParameters> bond_table() {
+    using B = BondParameters;
+    Table<B> table("Bonds of ice at contacts (Eqs. 6-8), from the stage on that activates them.");
+    table.quantity("normal_strength", &B::normal_strength, pressure, not_negative(), "c_n: a bond breaks in tension beyond beta_b c_n r^2, r the smaller radius")
+        .quantity("tangential_strength", &B::tangential_strength, pressure, not_negative(), "c_t: and in shear beyond beta_b c_t r^2")
+        .number("strength_factor", &B::strength_factor, not_negative(), "beta_a: beta_b = beta_a S_i, S_i the ice saturation");
+    return table;
+}
+
+} // namespace
+
+Table<RveSpec> rve_table() {
+    using R = RveSpec;
+    Table<R> table("Discrete assemblies (RVEs) behind the points of law \"rve\", computed by rve-farm.");
+    table.quantity("grain_density", [](R& r) -> double& { return r.parameters.grain_density; }, density, positive(), "of the discs' material")
+        .quantity("thickness", [](R& r) -> double& { return r.parameters.thickness; }, length, positive(), "t of the discs; sets forces and volumes of an RVE")
+        .number("damping", [](R& r) -> double& { return r.parameters.damping; }, {.least = 0.0, .most = 0.99}, "local non-viscous damping of the non-affine motion; 0 = none")
+        .flag("fluctuation_stress", [](R& r) -> bool& { return r.parameters.fluctuation_stress; }, "adds the kinetic part -(1/V) sum m v_f v_f to the stress (Eq. 49)")
+        .quantity("time_step", [](R& r) -> double& { return r.parameters.time_step; }, time, positive(), "largest DEM sub-step; checked against the stable one")
+        .template whole<int>("substeps", [](R& r) -> int& { return r.parameters.substeps; }, between(0, 1000000), "DEM sub-steps per macro step; 0 = from time_step")
+        .quantity("skin", [](R& r) -> double& { return r.parameters.skin; }, length, not_negative(), "of the neighbour list; 0 = chosen from the mean radius")
+        .template table<PackingSpec>("packing", &R::packing, packing_table())
+        .template table<ContactParameters>("contact", [](R& r) -> ContactParameters& { return r.parameters.contact; }, contact_table())
+        .template optional_table<BondParameters>("bond", [](R& r) -> std::optional<BondParameters>& { return r.parameters.bond; }, bond_table())
+        .check([](const RveSpec&, const Place& at) {
+            if (!at.has("packing")) at.fault("packing", "is missing", "add the table [rve.packing] with void_ratio, file or particles");
+        });
+    return table;
+}
+
+void resolve_packing_files(PackingSpec& packing, const std::string& document_file, const Place& rve) {
+    const Value* table = rve.value.find("packing");
+    if (!table) return;
+    const Place at{*table, joined(rve.key, "packing"), rve.faults};
+    const auto resolve = [&](const char* key, std::string& file) {
+        if (file.empty()) return;
+        const std::filesystem::path path(file);
+        const Value* given = table->find(key);
+        const bool from_command_line = given && given->position == "--set"; // then meant from where one stands
+        if (path.is_relative() && !from_command_line) file = (std::filesystem::path(document_file).parent_path() / path).lexically_normal().string();
+        if (!std::filesystem::exists(file)) at.fault(key, "\"" + file + "\" does not exist", "prepare it (rve-farm pack), or mend the path; it is relative to this file");
+    };
+    resolve("file", packing.file);
+    resolve("particles", packing.particles);
+    resolve("contacts", packing.contacts);
+}
+
+std::string packing_specification(const RveSpec& rve) {
+    RveSpec kept = rve;
+    kept.parameters.bond.reset(); // bonds come after preparation
+    kept.parameters.substeps = 0;
+    kept.parameters.skin = 0.0;
+    kept.parameters.fluctuation_stress = false;
+    return "[rve]\n" + rve_table().dump(kept, "rve");
+}
+
+std::string packing_fingerprint(const RveSpec& rve) { return fingerprint("packing of Talik " + version() + "\n" + packing_specification(rve)); }
+
+} // namespace talik::scene

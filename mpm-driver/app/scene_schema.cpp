@@ -1,0 +1,83 @@
+#include "mpm-driver/app/scene_schema.hpp"
+
+#include "common/base/error.hpp"
+#include "common/scene/rve_tables.hpp"
+#include "mpm-driver/app/scene_tables.hpp"
+
+namespace talik::driver {
+
+using namespace scene;
+
+namespace {
+
+const Table<Scene>& scene_table() {
+    static const Table<Scene> kept = [] {
+        Table<Scene> table("What the whole scene shares.");
+        table.text("title", &Scene::title, "for plots and the summary")
+            .whole("seed", &Scene::seed, any(), "of the scene's random draws")
+            .quantity("confining_pressure", &Scene::confining_pressure, Dimension::pressure, not_negative(), "on all free sides, compression positive; follows the material")
+            .table<DomainSpec>("domain", &Scene::domain, domain_table())
+            .tables("body", &Scene::bodies, body_table(), required)
+            .optional_table<ElasticSpec>("elastic", &Scene::elastic, elastic_table())
+            .optional_table<RveSpec>("rve", &Scene::rve, rve_table())
+            .tables("wall", &Scene::walls, wall_table())
+            .table<StepSpec>("step", &Scene::step, step_table())
+            .tables("stage", &Scene::stages, stage_table(), required)
+            .table<OutputSpec>("output", &Scene::output, output_table())
+            .check(check_whole_scene);
+        return table;
+    }();
+    return kept;
+}
+
+Scene read_with_faults(const std::string& file, const std::vector<std::string>& overrides, Faults& faults) {
+    Value document = read_document(file);
+    for (const auto& override : overrides) apply_override(document, override);
+    Scene scene;
+    scene_table().read(document, "", scene, faults);
+    scene.file = file;
+    if (faults.empty()) scene.hash = fingerprint(scene_table().dump(scene)); // before paths are resolved: a moved scene stays the same
+    if (const Value* rve = document.find("rve"); rve && scene.rve) resolve_packing_files(scene.rve->packing, file, Place{*rve, "rve", faults});
+    return scene;
+}
+
+std::vector<Section> scene_sections() {
+    std::vector<Section> sections;
+    scene_table().describe("", sections);
+    return sections;
+}
+
+} // namespace
+
+Scene read_scene(const std::string& file, const std::vector<std::string>& overrides) {
+    Faults faults;
+    Scene scene = read_with_faults(file, overrides, faults);
+    throw_if_any(faults, "`mpm-driver check` lists them");
+    return scene;
+}
+
+std::vector<Fault> check_scene(const std::string& file, const std::vector<std::string>& overrides) {
+    Faults faults;
+    try {
+        read_with_faults(file, overrides, faults);
+    } catch (const Error& e) { // syntax, or a wrong --set: nothing more can be said about the rest
+        faults.push_back({e.where().empty() ? file : e.where(), "", e.problem(), e.remedy()});
+    }
+    return faults;
+}
+
+std::string scene_help() { return help_text(scene_sections()); }
+
+std::string scene_markdown() {
+    return markdown("Scenes",
+                    "A scene is a TOML file for `mpm-driver`. Quantities are text with a unit (`\"100 kPa\"`, `\"2.5 mm\"`) or bare numbers in SI; "
+                    "stresses are tension positive, pressures compression positive. A table marked *present means on* is an effect: "
+                    "without it there is no code on the path and no memory. Any key can be overridden on the command line: "
+                    "`--set rve.contact.friction=0.3`, `--set stage.0.duration=\"0.1 s\"`.\n\n"
+                    "This page is made from the table of keys that checks scenes (`mpm-driver --help-scene` prints the same); do not edit it by hand.",
+                    scene_sections());
+}
+
+std::string scene_dump(const Scene& scene) { return scene_table().dump(scene); }
+
+} // namespace talik::driver

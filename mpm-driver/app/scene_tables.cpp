@@ -1,0 +1,130 @@
+#include "mpm-driver/app/scene_tables.hpp"
+
+#include <cmath>
+
+#include "mpm-driver/app/polygon.hpp"
+
+namespace talik::driver {
+
+using namespace scene;
+using enum Dimension;
+
+namespace {
+
+void check_domain(const DomainSpec& d, const Place& at) {
+    for (int axis = 0; axis < Dim; ++axis) {
+        const double cells = d.size[axis] / d.cell;
+        if (std::abs(cells - std::round(cells)) > 1e-6 || std::round(cells) < 1.0) // far above rounding, far below a cell
+            at.fault("size", fmt::format("its {} of {:g} m is no whole number of cells of {:g} m", axis == 0 ? "width" : "height", d.size[axis], d.cell),
+                     fmt::format("take {:g} m", std::max(1.0, std::ceil(cells)) * d.cell));
+    }
+}
+
+void corners_of_box(std::vector<Vector>& points) {
+    const Vector low = points[0].cwiseMin(points[1]), high = points[0].cwiseMax(points[1]);
+    points = {low, Vector(high[0], low[1]), high, Vector(low[0], high[1])};
+}
+
+void check_body(const BodySpec& b, const Place& at) {
+    if (at.has("box") == at.has("polygon")) {
+        at.fault("polygon", at.has("box") ? "is given beside a box" : "is missing", "give the body a box or a polygon");
+        return;
+    }
+    const char* outline = at.has("box") ? "box" : "polygon";
+    if (std::abs(polygon_area(b.polygon)) <= 0.0) at.fault(outline, "has no area", "give corners that span one");
+    else if (!polygon_is_simple(b.polygon)) at.fault(outline, "crosses itself", "give its corners in order along the outline");
+    const int side = static_cast<int>(std::lround(std::sqrt(b.points_per_cell)));
+    if (side * side != b.points_per_cell) at.fault("points_per_cell", fmt::format("{} is no square", b.points_per_cell), "take 1, 4, 9 or 16");
+    if (b.law == "elastic" && !b.density) at.fault("density", "is missing", "an elastic body needs its bulk density");
+    if (b.law != "elastic" && at.has("stress")) at.fault("stress", "is given for a body of RVEs", "leave it out: their packings bring their own");
+}
+
+void check_wall(const WallSpec& w, const Place& at) {
+    if (w.friction > 0.0 && w.kind != "roller") at.fault("friction", "is given for a wall that sticks", "take kind = \"roller\", or leave the friction out");
+    if (w.ramp > 0.0 && w.velocity == 0.0) at.fault("ramp", "is given for a wall without velocity", "give the velocity, or leave the ramp out");
+}
+
+} // namespace
+
+Table<DomainSpec> domain_table() {
+    using D = DomainSpec;
+    Table<D> table("The background grid of square cells. Walls may stand anywhere in it.");
+    table.components("origin", &D::origin, length, any(), "lower left corner")
+        .components("size", &D::size, length, positive(), "width and height, whole numbers of cells", required)
+        .quantity("cell", &D::cell, length, positive(), "side h of a cell", required)
+        .quantity("thickness", &D::thickness, length, positive(), "out of the plane (plane strain)")
+        .check(check_domain);
+    return table;
+}
+
+Table<BodySpec> body_table() {
+    using B = BodySpec;
+    Table<B> table("Bodies: boxes or polygons, filled with points.");
+    table.text("name", &B::name, "for messages and output", required)
+        .points("box", &B::polygon, length, 2, "two opposite corners", corners_of_box)
+        .points("polygon", &B::polygon, length, 0, "corners in order along the outline")
+        .choice("law", &B::law, {"rve", "elastic"}, "what answers with stress: an RVE behind each point, or linear elasticity", required)
+        .whole("points_per_cell", &B::points_per_cell, between(1, 16), "1, 4, 9 or 16: the same number along each axis")
+        .optional_quantity("density", &B::density, density, positive(), "bulk density; without it that of the RVE's discs")
+        .components("velocity", &B::velocity, velocity, any(), "at the start")
+        .components("stress", &B::stress, pressure, any(), "at the start, of law \"elastic\": sxx, syy, sxy, tension positive")
+        .check(check_body);
+    return table;
+}
+
+Table<ElasticSpec> elastic_table() {
+    using E = ElasticSpec;
+    Table<E> table("Linear elasticity in plane strain, for bodies of law \"elastic\".");
+    table.quantity("young", &E::young, pressure, positive(), "Young's modulus", required)
+        .number("poisson", &E::poisson, {.least = -0.99, .most = 0.499}, "Poisson's ratio", required);
+    return table;
+}
+
+Table<WallSpec> wall_table() {
+    using W = WallSpec;
+    Table<W> table("Rigid, flat walls along an axis. They may move and stand between nodes.");
+    table.text("name", &W::name, "for `moves` and output", required)
+        .choice("side", &W::side, {"left", "right", "bottom", "top"}, "the side of the material that it bounds", required)
+        .quantity("position", &W::position, length, any(), "of its face at the start, along its axis", required)
+        .choice("kind", &W::kind, {"roller", "fixed"}, "roller: no motion through it; fixed: the material sticks to it")
+        .number("friction", &W::friction, not_negative(), "Coulomb friction of a roller")
+        .flag("separates", &W::separates, "the material may lift off")
+        .quantity("velocity", &W::velocity, velocity, any(), "along its axis (up and right positive), in the stages that list it in `moves`")
+        .quantity("ramp", &W::ramp, time, not_negative(), "the velocity grows smoothly from 0 over this time")
+        .check(check_wall);
+    return table;
+}
+
+Table<StageSpec> stage_table() {
+    using S = StageSpec;
+    Table<S> table("Stages of the run, one after the other.");
+    table.text("name", &S::name, "for the log and the output", required)
+        .quantity("duration", &S::duration, time, positive(), "at most", required)
+        .optional_quantity("energy_ratio", &S::energy_ratio, none, positive(), "ends earlier, once kinetic energy / internal work falls below this")
+        .components("gravity", &S::gravity, acceleration, any(), "gx, gy")
+        .quantity("particle_damping", &S::particle_damping, rate, not_negative(), "alpha_p (Eq. 34)")
+        .quantity("grid_damping", &S::grid_damping, rate, not_negative(), "alpha_g (Eq. 34)")
+        .number("pic", &S::pic, between(0, 1), "alpha_PIC, fraction of PIC per step (Eq. 34)")
+        .texts("moves", &S::moves, {}, "names of the walls that move")
+        .texts("activates", &S::activates, {"bonds"}, "switched on at its start");
+    return table;
+}
+
+Table<StepSpec> step_table() {
+    using S = StepSpec;
+    Table<S> table("The time step.");
+    table.optional_quantity("fixed", &S::fixed, time, positive(), "refused where it is beyond the limit of Eq. (42)", "auto")
+        .number("safety", &S::safety, {.least = 0.0, .most = 1.0, .above_least = true}, "fraction of the limit taken by \"auto\"");
+    return table;
+}
+
+Table<OutputSpec> output_table() {
+    using O = OutputSpec;
+    Table<O> table("What is written, and how often.");
+    table.quantity("history_interval", &O::history_interval, time, not_negative(), "rows of history.csv; 0 = every step")
+        .quantity("fields_interval", &O::fields_interval, time, not_negative(), "fields of all points; 0 = start and end only")
+        .quantity("checkpoint_interval", &O::checkpoint_interval, time, not_negative(), "0 = at the end only");
+    return table;
+}
+
+} // namespace talik::driver

@@ -1,0 +1,19 @@
+#pragma once
+// The tables of keys of a scene, one function for each struct of scene.hpp.
+#include "common/scene/schema.hpp"
+#include "mpm-driver/app/scene.hpp"
+
+namespace talik::driver {
+
+scene::Table<DomainSpec> domain_table();
+scene::Table<BodySpec> body_table();
+scene::Table<ElasticSpec> elastic_table();
+scene::Table<WallSpec> wall_table();
+scene::Table<StageSpec> stage_table();
+scene::Table<StepSpec> step_table();
+scene::Table<OutputSpec> output_table();
+
+// Rules that look at more than one table.
+void check_whole_scene(const Scene& scene, const scene::Place& at);
+
+} // namespace talik::driver
