@@ -52,23 +52,33 @@ public:
     std::vector<StateColumn> state();
 
 private:
-    // One line of nodes normal to the wall. Impulses in N s, along the inward normal and along the wall.
+    // One line of nodes normal to the wall.
     struct Line {
-        double normal_impulse = 0.0, tangential_impulse = 0.0;
-        double area = 0.0; // of contact, m^2
+        int first_node = 0;              // of the line's rows, at row 0 of the axis
+        double normal_impulse = 0.0;     // on the body, along the inward normal, N s
+        double tangential_impulse = 0.0; // on the body, along the wall, N s
+        double face_speed_before = 0.0;  // tangential velocity of the grid at the face before the step, m/s
+        double area = 0.0;               // of contact, m^2
     };
+    // The rows that a line's projection sees: two further out, the row j at or behind the face, and j+1 inside.
+    static constexpr int rows_outside = 2, row_count = 4;
 
     void locate_face(const Grid& grid);
-    void measure_contact(const Grid& grid);
-    double project(Grid& grid, int line, int component, double target, double scale_to, bool apply);
     bool touches(const Line& line) const;
+    void measure_line(const Grid& grid, Line& line) const;
+    template <class Visit> void each_row(const Line& line, Visit&& visit) const;
+    double face_speed(const std::vector<Vector>& velocity, const Grid& grid, const Line& line, int component) const;
+    double missing_impulse(const Grid& grid, const Line& line, int component, double target, double& slope) const;
+    void correct(Grid& grid, const Line& line, int component, double target, double slope, double part) const;
 
     WallSpec spec_;
     WallMotion motion_;
-    int axis_, tangent_, inward_; // inward_: +1 where the material lies on the side of larger coordinates
+    int axis_, tangent_;    // of the normal, and along the wall
+    int inward_;            // +1 where the material lies on the side of larger coordinates
+    int stride_, axis_nodes_; // from row to row, and rows, along the axis
     double velocity_ = 0.0, dt_ = 0.0, pressure_ = 0.0;
-    int outer_row_ = 0;      // row j
-    double fraction_ = 0.0;  // s in [0, 1): from row j towards the material
+    int outer_row_ = 0;     // row j
+    double fraction_ = 0.0; // s in [0, 1): from row j towards the material
     std::vector<Line> lines_;
     WallReaction reaction_;
 };

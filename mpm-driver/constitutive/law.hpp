@@ -38,8 +38,8 @@ public:
     virtual void submit(const LawRequest& request, LawAnswer answer) = 0;
     virtual void collect() = 0;
 
-    // A named effect of the scene's stages, such as "bonds". A law that knows none of that name says so.
-    virtual void activate(const std::string& effect);
+    // A named effect of the scene's stages, such as "bonds". False where the law has none of that name.
+    virtual bool activate(const std::string& /*effect*/) { return false; }
 
     // State that the law keeps itself, in a folder of its own (a farm writes its files there).
     virtual void checkpoint(const std::string& /*folder*/) {}

@@ -9,7 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "mpm-driver/points/state_column.hpp"
+#include "mpm-driver/boundary/wall.hpp"
+#include "mpm-driver/grid/grid.hpp"
+#include "mpm-driver/mechanics/transfer.hpp"
+#include "mpm-driver/points/points.hpp"
 
 namespace talik::driver {
 
@@ -18,37 +21,49 @@ struct Ledger {
     double initial_mass = 0.0, mass = 0.0, grid_mass = 0.0;
 
     // Momentum and impulses, cumulative, N s
-    double initial_momentum_x = 0.0, initial_momentum_y = 0.0, momentum_x = 0.0, momentum_y = 0.0;
-    double wall_impulse_x = 0.0, wall_impulse_y = 0.0;             // true total, confining pressure on the walls included
-    double pressure_impulse_x = 0.0, pressure_impulse_y = 0.0;     // of the confining pressure on the free surface
-    double gravity_impulse_x = 0.0, gravity_impulse_y = 0.0;
-    double damping_impulse_x = 0.0, damping_impulse_y = 0.0;       // of particle and grid damping
-    double prescribed_impulse_x = 0.0, prescribed_impulse_y = 0.0; // of a prescribed field
-    double impulse_scale = 0.0;                                    // sum of |impulse| over steps and causes
+    Vector initial_momentum = Vector::Zero(), momentum = Vector::Zero();
+    Vector wall_impulse = Vector::Zero();       // true total, the confining pressure on the walls included
+    Vector pressure_impulse = Vector::Zero();   // of the confining pressure on the free surface
+    Vector gravity_impulse = Vector::Zero();
+    Vector damping_impulse = Vector::Zero();    // of particle and grid damping
+    Vector prescribed_impulse = Vector::Zero(); // of a prescribed field
+    double impulse_scale = 0.0;                 // sum of |impulse| over steps and causes
 
-    // Energy, J; works are cumulative and positive when they feed the body
+    // Energy, J; works are cumulative, and positive when they feed the body
     double initial_kinetic = 0.0, kinetic = 0.0;
     double wall_work = 0.0;       // true total force of the walls times their velocity
-    double pressure_work = 0.0;   // of the confining pressure on the free surface: -p dV less its part on the walls
+    double pressure_work = 0.0;   // of the confining pressure on the free surface: -p dV less the walls' part
     double gravity_work = 0.0;
     double prescribed_work = 0.0;
-    double internal_work = 0.0;   // sum V sigma : D dt, of the grid's forces
-    double point_work = 0.0;      // the same, of the increments the laws were asked
+    double internal_work = 0.0;   // sum V sigma : D dt, by the grid's forces
+    double point_work = 0.0;      // the same, by the increments that the laws were asked
     double wall_friction = 0.0;   // dissipated by Coulomb friction at walls
     double wall_impact = 0.0;     // lost where walls changed the grid's velocity abruptly
     double transfer = 0.0;        // lost between points and grid (lumped mass)
     double pic = 0.0;             // lost to alpha_PIC
     double grid_damping = 0.0, particle_damping = 0.0;
     double initial_law_energy = 0.0, law_energy = 0.0; // stored + dissipated + kinetic, of all points' laws
-    double stored = 0.0, law_dissipation = 0.0;        // of it
+    double law_stored = 0.0, law_dissipation = 0.0;    // of it
 
-    double input_work() const;      // J, what was put in: kinetic energy at the start and the net work of each boundary, as magnitudes
-    double energy_residual() const; // J, what the balance misses
+    void open(const Points& points);
+    void book_grid(const Grid& grid, double dt, double confining_pressure, const Vector& gravity,
+                   const std::vector<Wall>& walls, bool prescribed);
+    void book_points(const Points& points, const PointUpdateBooks& books, double work);
+
+    double input_work() const;      // J: kinetic energy at the start and the net works of the boundaries, as magnitudes
+    double dissipation() const;     // J: all the numerical and boundary losses above, without the laws'
+    double energy_residual() const; // J: what the balance misses
     double mass_error() const;      // relative: of the points' mass since the start, and of the grid's against it
     double momentum_error() const;  // relative to impulse_scale
     double energy_error() const;    // relative to input_work()
 
     std::vector<StateColumn> state();
+
+private:
+    void sum_law_energy(const Points& points);
 };
+
+// sum_p V sigma : (dt D), J, of the present stress, volume and increment.
+double stress_power(const Points& points);
 
 } // namespace talik::driver

@@ -21,6 +21,7 @@
 #include "mpm-driver/mechanics/schedule.hpp"
 #include "mpm-driver/mechanics/step_limit.hpp"
 #include "mpm-driver/mechanics/supports.hpp"
+#include "mpm-driver/mechanics/transfer.hpp"
 #include "mpm-driver/points/points.hpp"
 
 namespace talik::driver {
@@ -70,14 +71,14 @@ private:
 
     void build_schedule();
     void begin_laws();
-    void open_ledger();
+    LawAnswer answer_columns();
     void enter_stage();
     void leave_stage_when_done();
     const StageSpec& present_stage() const;
 
-    void advance_grid();
     void constrain_grid();
     void submit_to_laws();
+    void move_points();
     void collect_from_laws();
     void book_step();
 
@@ -93,7 +94,11 @@ private:
     Schedule schedule_;
     Ledger ledger_;
     Clock clock_;
-    double dt_ = 0.0; // of the present step, s
+
+    // Of the present step.
+    double dt_ = 0.0;         // s
+    double point_work_ = 0.0; // J
+    PointUpdateBooks point_books_;
 };
 
 } // namespace talik::driver

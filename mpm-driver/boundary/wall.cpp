@@ -1,0 +1,176 @@
+#include "mpm-driver/boundary/wall.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "common/base/error.hpp"
+
+namespace talik::driver {
+namespace {
+
+int axis_of(const WallSpec& spec) {
+    const bool known = spec.side == "left" || spec.side == "right" || spec.side == "bottom" || spec.side == "top";
+    require(known, "wall '" + spec.name + "': side is '" + spec.side + "'", "use left, right, bottom or top");
+    return spec.side == "left" || spec.side == "right" ? 0 : 1;
+}
+
+} // namespace
+
+Wall::Wall(const WallSpec& spec, const Grid& grid)
+    : spec_(spec), motion_(spec.position, spec.velocity, spec.ramp), axis_(axis_of(spec)), tangent_(1 - axis_),
+      inward_(spec.side == "left" || spec.side == "bottom" ? 1 : -1), stride_(grid.stride(axis_)),
+      axis_nodes_(grid.nodes(axis_)), lines_(static_cast<std::size_t>(grid.nodes(tangent_))) {
+    require(spec.kind == "roller" || spec.kind == "fixed", "wall '" + spec.name + "': kind is '" + spec.kind + "'",
+            "use roller or fixed");
+    require(spec.friction >= 0.0, "wall '" + spec.name + "': friction is negative", "give a coefficient of 0 or more");
+    for (std::size_t k = 0; k < lines_.size(); ++k) lines_[k].first_node = static_cast<int>(k) * grid.stride(tangent_);
+    locate_face(grid);
+}
+
+// Row j at or behind the face and the fraction s, (1-s) v_j + s v_{j+1} being the velocity at the face.
+void Wall::locate_face(const Grid& grid) {
+    const double face = grid.cells_from_first_node(axis_, position());
+    outer_row_ = static_cast<int>(inward_ > 0 ? std::floor(face) : std::ceil(face));
+    fraction_ = inward_ * (face - outer_row_);
+    if (fraction_ > 1.0 - 1e-12) { // a face that lies on the next row but for rounding lies on it
+        outer_row_ += inward_;
+        fraction_ = 0.0;
+    }
+    if (face < 1.0 - 1e-9 || face > axis_nodes_ - 2 + 1e-9) // the domain without its ring of ghosts
+        fail(ExitCode::bad_input, fmt::format("wall '{}' at {:.6g} m stands outside the domain", name(), position()),
+             "enlarge the domain, or let the wall move less");
+}
+
+// visit(node, distance): distance from the face in cells, positive inside.
+template <class Visit>
+void Wall::each_row(const Line& line, Visit&& visit) const {
+    for (int k = 0; k < row_count; ++k) {
+        const int row = outer_row_ + inward_ * (k - rows_outside);
+        if (row < 0 || row >= axis_nodes_) continue;
+        const int node = line.first_node + row * stride_;
+        visit(static_cast<std::size_t>(node), k - rows_outside - fraction_);
+    }
+}
+
+// Velocity at the face, (1-s) v_j + s v_{j+1}; where the material reaches one row only, that row's. m/s
+double Wall::face_speed(const std::vector<Vector>& velocity, const Grid& grid, const Line& line, int component) const {
+    const std::size_t outer = static_cast<std::size_t>(line.first_node + outer_row_ * stride_);
+    const std::size_t inner = static_cast<std::size_t>(static_cast<int>(outer) + inward_ * stride_);
+    if (grid.mass[outer] <= 0.0) return velocity[inner][component];
+    return (1.0 - fraction_) * velocity[outer][component] + fraction_ * velocity[inner][component];
+}
+
+void Wall::start_step(const Grid& grid, double dt, double confining_pressure) {
+    locate_face(grid); // where the points are: at the start of the step
+    velocity_ = motion_.advance(dt);
+    dt_ = dt;
+    pressure_ = confining_pressure;
+    for (Line& line : lines_) {
+        line.normal_impulse = line.tangential_impulse = 0.0;
+        line.face_speed_before = has_tangential() ? face_speed(grid.velocity_before, grid, line, tangent_) : 0.0;
+        measure_line(grid, line);
+    }
+}
+
+// Area of contact of a line: what a unit pressure pushes on the nodes near the face along the normal. With nodal weights
+// that are 1 near the face and fall to 0 between 1.5 and 2.5 cells beneath it, this is (divergence theorem) the mean
+// cross-section of the material in that layer: smooth as the face moves, and, at rest under -p I, force / p exactly. m^2
+void Wall::measure_line(const Grid& grid, Line& line) const {
+    line.area = 0.0;
+    for (int k = -rows_outside; k <= 3; ++k) {
+        const int row = outer_row_ + inward_ * k;
+        if (row < 0 || row >= axis_nodes_) continue;
+        const double weight = std::clamp(2.5 - (k - fraction_), 0.0, 1.0);
+        line.area += weight * inward_ * grid.unit_pressure_force[line.first_node + row * stride_][axis_];
+    }
+}
+
+// The mass-weighted projection of the line's velocities on the linear fields {V + a d_k} through the face:
+// a = sum m_k d_k (v_k - V) / sum m_k d_k^2. Returns the impulse it takes, sum m_k (V + a d_k - v_k), N s.
+double Wall::missing_impulse(const Grid& grid, const Line& line, int component, double target, double& slope) const {
+    double moment = 0.0, inertia = 0.0, impulse = 0.0;
+    each_row(line, [&](std::size_t node, double d) {
+        moment += grid.mass[node] * d * (grid.velocity[node][component] - target);
+        inertia += grid.mass[node] * d * d;
+    });
+    slope = inertia > 0.0 ? moment / inertia : 0.0;
+    each_row(line, [&](std::size_t node, double d) {
+        impulse += grid.mass[node] * (target + slope * d - grid.velocity[node][component]);
+    });
+    return impulse;
+}
+
+void Wall::correct(Grid& grid, const Line& line, int component, double target, double slope, double part) const {
+    each_row(line, [&](std::size_t node, double d) {
+        if (grid.mass[node] > 0.0)
+            grid.velocity[node][component] += part * (target + slope * d - grid.velocity[node][component]);
+    });
+}
+
+void Wall::constrain_normal(Grid& grid) {
+    for (Line& line : lines_) {
+        double slope;
+        const double missing = inward_ * missing_impulse(grid, line, axis_, velocity_, slope);
+        double part = 1.0;
+        if (spec_.separates) { // the total force may only push: lambda/dt + p A >= 0
+            const double least = -pressure_ * std::max(line.area, 0.0) * dt_;
+            const double allowed = std::max(line.normal_impulse + missing, least) - line.normal_impulse;
+            part = missing != 0.0 ? allowed / missing : 0.0;
+            part = std::clamp(part, -1.0, 1.0);
+        }
+        correct(grid, line, axis_, velocity_, slope, part);
+        line.normal_impulse += part * missing;
+    }
+}
+
+// Sticking along the wall; for a roller, as far as Coulomb's limit mu N lets it, N the total push on the line.
+void Wall::constrain_tangential(Grid& grid) {
+    for (Line& line : lines_) {
+        double slope;
+        const double missing = missing_impulse(grid, line, tangent_, 0.0, slope);
+        double part = 1.0;
+        if (spec_.kind != "fixed") {
+            const double push = std::max(line.normal_impulse + pressure_ * line.area * dt_, 0.0); // N s
+            const double limit = spec_.friction * push;
+            const double allowed = std::clamp(line.tangential_impulse + missing, -limit, limit) - line.tangential_impulse;
+            part = missing != 0.0 ? std::clamp(allowed / missing, -1.0, 1.0) : 0.0;
+        }
+        correct(grid, line, tangent_, 0.0, slope, part);
+        line.tangential_impulse += part * missing;
+    }
+}
+
+// A line that has let go is a free surface: the confining pressure acts there by itself.
+bool Wall::touches(const Line& line) const {
+    return !spec_.separates || line.normal_impulse + pressure_ * line.area * dt_ > 0.0;
+}
+
+void Wall::finish_step(const Grid& grid) {
+    double normal = 0.0, tangential = 0.0, area = 0.0, friction = 0.0;
+    for (const Line& line : lines_) {
+        normal += line.normal_impulse;
+        tangential += line.tangential_impulse;
+        if (touches(line)) area += line.area;
+        if (spec_.kind != "fixed" && spec_.friction > 0.0) // -impulse times the mean slip velocity over the step, J
+            friction -= line.tangential_impulse * 0.5 * (line.face_speed_before + face_speed(grid.velocity, grid, line, tangent_));
+    }
+    reaction_.impulse[axis_] = inward_ * normal;
+    reaction_.impulse[tangent_] = tangential;
+    reaction_.contact_area = area;
+    reaction_.force = reaction_.impulse / dt_;
+    reaction_.force[axis_] += inward_ * pressure_ * area;
+    reaction_.work = inward_ * normal * velocity_;
+    reaction_.friction_dissipation = friction;
+}
+
+std::vector<StateColumn> Wall::state() {
+    const std::string prefix = "walls/" + name() + "/";
+    return {{prefix + "motion", "SI", "position m, time since it began to move s, moving", {"position", "elapsed", "moving"}, motion_.state().data(), 1},
+            {prefix + "velocity", "m/s", "velocity along the axis", {""}, &velocity_, 1},
+            {prefix + "force", "N", "force on the body", {"x", "y"}, reaction_.force.data(), 1},
+            {prefix + "contact_area", "m2", "area of contact", {""}, &reaction_.contact_area, 1}};
+}
+
+} // namespace talik::driver

@@ -1,0 +1,33 @@
+#pragma once
+// Linear elasticity in plane strain, for tests and for bodies without RVEs. Hypoelastic: the increment's symmetric part
+// strains, its rotation turns the stress.
+#include <string>
+#include <vector>
+
+#include "mpm-driver/app/scene.hpp"
+#include "mpm-driver/constitutive/law.hpp"
+
+namespace talik::driver {
+
+class ElasticLaw : public Law {
+public:
+    explicit ElasticLaw(const ElasticSpec& spec);
+
+    std::string name() const override { return "elastic"; }
+    // The bodies' initial stress is already in the points: it is taken as it is.
+    void begin(std::span<const std::uint32_t> ids, const Points& points, LawAnswer initial) override;
+    void submit(const LawRequest& request, LawAnswer answer) override;
+    void collect() override {}
+
+    double p_wave_modulus() const { return lame_ + 2.0 * shear_; } // M = lambda + 2 G, Pa
+    double shear_modulus() const { return shear_; }                // G, Pa
+    double lame_modulus() const { return lame_; }                  // lambda, Pa
+
+    // The energy 1/2 sigma : C^-1 : sigma of a stress, J/m^3 (out-of-plane stress nu (sxx + syy) included).
+    double energy_density(const Stress& stress) const;
+
+private:
+    double shear_, lame_, poisson_;
+};
+
+} // namespace talik::driver

@@ -1,0 +1,180 @@
+#include "mpm-driver/mechanics/simulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "common/base/error.hpp"
+#include "mpm-driver/boundary/walls.hpp"
+#include "mpm-driver/mechanics/transfer.hpp"
+#include "mpm-driver/points/seed.hpp"
+
+namespace talik::driver {
+
+Simulation::Simulation(const Scene& scene, Laws laws)
+    : scene_(scene), laws_(std::move(laws)),
+      grid_(scene.domain.origin, scene.domain.size, scene.domain.cell, scene.domain.thickness),
+      points_(seed_points(scene.bodies, grid_)), supports_(grid_, points_.count()) {
+    require(!scene_.stages.empty(), "the scene has no stage", "add a [[stage]] with a duration");
+    for (const BodySpec& body : scene_.bodies) half_size_.push_back(point_half_size(body, grid_.cell()));
+    for (const WallSpec& wall : scene_.walls) walls_.emplace_back(wall, grid_);
+    begin_laws();
+    ledger_.open(points_);
+    build_schedule();
+    enter_stage();
+}
+
+// The table of contents of a step.
+void Simulation::build_schedule() {
+    schedule_.add("shape functions", [this] { supports_.update(grid_, points_, half_size_); });
+    schedule_.add("points to grid", [this] { points_to_grid(points_, supports_, grid_); });
+    schedule_.add("nodal forces", [this] {
+        nodal_forces(points_, supports_, scene_.confining_pressure, present_stage().gravity, grid_);
+    });
+    schedule_.add("advance grid", [this] { advance_grid(grid_, dt_); });
+    schedule_.add("walls", [this] { constrain_grid(); });
+    schedule_.add("strain increments", [this] { strain_increments(grid_, supports_, dt_, points_); });
+    schedule_.add("ask laws", [this] { submit_to_laws(); });
+    schedule_.add("grid to points", [this] { move_points(); });
+    schedule_.add("wait for laws", [this] { collect_from_laws(); });
+    schedule_.add("deformation", [this] { update_deformation(points_, steps_done() + 1, time()); });
+    schedule_.add("ledger", [this] { book_step(); });
+}
+
+void Simulation::begin_laws() {
+    std::vector<std::string> names;
+    for (auto& [name, law] : laws_) {
+        law_points_.push_back({law.get(), {}});
+        names.push_back(name);
+    }
+    for (std::size_t p = 0; p < points_.count(); ++p) {
+        const BodySpec& body = scene_.bodies[points_.body[p]];
+        const auto found = std::find(names.begin(), names.end(), body.law);
+        require(found != names.end(), "body '" + body.name + "' asks for the law '" + body.law + "', which the scene does not describe",
+                "describe it, or use another law");
+        points_.law[p] = static_cast<int>(found - names.begin());
+        points_.stress[p] = body.stress;
+        law_points_[points_.law[p]].ids.push_back(static_cast<std::uint32_t>(p));
+    }
+    for (LawPoints& group : law_points_) group.law->begin(group.ids, points_, answer_columns());
+}
+
+LawAnswer Simulation::answer_columns() {
+    return {points_.stress.data(), points_.p_wave_modulus.data(), points_.energy.data()};
+}
+
+const StageSpec& Simulation::present_stage() const {
+    ensure(!finished());
+    return scene_.stages[static_cast<std::size_t>(stage())];
+}
+
+void Simulation::enter_stage() {
+    clock_.stage_start = clock_.time;
+    clock_.internal_work_at_stage_start = ledger_.internal_work;
+    if (finished()) return;
+    const StageSpec& stage = present_stage();
+    for (Wall& wall : walls_) {
+        const bool moves = std::find(stage.moves.begin(), stage.moves.end(), wall.name()) != stage.moves.end();
+        moves ? wall.start_moving() : wall.stop();
+    }
+    for (const std::string& name : stage.moves)
+        require(std::any_of(walls_.begin(), walls_.end(), [&](const Wall& wall) { return wall.name() == name; }),
+                "stage '" + stage.name + "' moves the wall '" + name + "', which the scene does not have", "name one of its walls");
+    for (const std::string& effect : stage.activates) {
+        bool known = false;
+        for (auto& [name, law] : laws_) known = law->activate(effect) || known;
+        require(known, "stage '" + stage.name + "' activates '" + effect + "', which none of the scene's laws has",
+                "take it out, or add the effect to the law");
+    }
+}
+
+void Simulation::leave_stage_when_done() {
+    const StageSpec& stage = present_stage();
+    const double remaining = clock_.stage_start + stage.duration - clock_.time;
+    const double rounding = scene_.step.fixed ? 0.5 * *scene_.step.fixed : 1e-9 * stage.duration;
+    // Internal work of the stage so far against the kinetic energy: at the very start the latter is far larger.
+    const double work = std::abs(ledger_.internal_work - clock_.internal_work_at_stage_start);
+    const bool at_rest = stage.energy_ratio && work > 0.0 && ledger_.kinetic < *stage.energy_ratio * work;
+    if (remaining > rounding && !at_rest) return;
+    clock_.stage += 1.0;
+    enter_stage();
+}
+
+double Simulation::end_time() const {
+    double end = clock_.stage_start;
+    for (std::size_t k = static_cast<std::size_t>(stage()); k < scene_.stages.size(); ++k) end += scene_.stages[k].duration;
+    return end;
+}
+
+StepLimit Simulation::stable_step() const { return mechanical_step_limit(grid_, points_, half_size_); }
+
+double Simulation::next_step() const {
+    if (scene_.step.fixed) return *scene_.step.fixed;
+    const double remaining = clock_.stage_start + present_stage().duration - clock_.time;
+    const double step = scene_.step.safety * stable_step().step;
+    return step > remaining * (1.0 - 1e-9) ? remaining : step;
+}
+
+void Simulation::step(double dt) {
+    const StepLimit limit = stable_step();
+    if (!(dt <= limit.step))
+        fail(steps_done() == 0 ? ExitCode::bad_input : ExitCode::failed,
+             fmt::format("the step of {:.4g} s is beyond the largest stable one, {}", dt, describe(limit, grid_.cell())),
+             fmt::format("use step = \"auto\", or at most {:.3g} s", 0.8 * limit.step));
+    dt_ = dt;
+    schedule_.run();
+    clock_.time += dt;
+    clock_.step += 1.0;
+    leave_stage_when_done();
+}
+
+void Simulation::constrain_grid() {
+    if (!prescribed_) return constrain(walls_, grid_, dt_, scene_.confining_pressure);
+    for (int node = 0; node < grid_.node_count(); ++node)
+        grid_.velocity[static_cast<std::size_t>(node)] = (*prescribed_)(grid_.node_position(node));
+}
+
+void Simulation::submit_to_laws() {
+    point_work_ = 0.5 * stress_power(points_); // with the stress and volume at the start of the step
+    const auto number = static_cast<std::uint64_t>(steps_done()) + 1;
+    for (LawPoints& group : law_points_)
+        group.law->submit({number, dt_, group.ids, points_.displacement_gradient_increment.data(), points_.volume.data()},
+                          answer_columns());
+}
+
+void Simulation::move_points() {
+    const StageSpec& stage = present_stage();
+    point_books_ = grid_to_points(grid_, supports_, {stage.pic, stage.particle_damping, stage.grid_damping}, dt_, points_);
+    for (std::size_t p = 0; p < points_.count(); ++p) {
+        const Vector& x = points_.position[p];
+        if (!grid_.inside_domain(x))
+            fail(ExitCode::failed,
+                 fmt::format("point {} of body '{}' leaves the domain at ({:.4g}, {:.4g}) m in step {} at t = {:.6g} s, with velocity ({:.3g}, {:.3g}) m/s",
+                             p, scene_.bodies[points_.body[p]].name, x[0], x[1], steps_done() + 1, time(), points_.velocity[p][0],
+                             points_.velocity[p][1]),
+                 "enlarge the domain, add a wall, or look for an instability in the fields before it");
+    }
+}
+
+void Simulation::collect_from_laws() {
+    for (LawPoints& group : law_points_) group.law->collect();
+}
+
+void Simulation::book_step() {
+    point_work_ += 0.5 * stress_power(points_); // and with those at its end: trapezoidal, as the grid's sum over steps is
+    ledger_.book_grid(grid_, dt_, scene_.confining_pressure, present_stage().gravity, walls_, prescribed_.has_value());
+    ledger_.book_points(points_, point_books_, point_work_);
+}
+
+std::vector<StateColumn> Simulation::state() {
+    std::vector<StateColumn> columns = points_.state();
+    const auto append = [&](std::vector<StateColumn> more) { columns.insert(columns.end(), more.begin(), more.end()); };
+    for (Wall& wall : walls_) append(wall.state());
+    append(ledger_.state());
+    append({{"clock", "SI", "time s, steps, stage, start of the stage s, internal work J at that start",
+             {"time", "step", "stage", "stage_start", "internal_work_at_stage_start"}, &clock_.time, 1}});
+    return columns;
+}
+
+} // namespace talik::driver
