@@ -1,1 +1,20 @@
-int main() { return 0; }
+#include <CLI/CLI.hpp>
+
+#include "common/base/program.hpp"
+#include "common/base/version.hpp"
+#include "rve-farm/app/commands.hpp"
+
+int main(int argc, char** argv) {
+    CLI::App app("rve-farm: periodic assemblies of discs (RVEs), solved by the discrete element method");
+    app.set_version_flag("--version", [] { return talik::build_facts("rve-farm"); });
+    app.require_subcommand(1);
+    talik::farm::add_serve(app);
+    return talik::run_program([&] {
+        try {
+            app.parse(argc, argv);
+        } catch (const CLI::ParseError& error) {
+            return app.exit(error) == 0 ? 0 : 2;
+        }
+        return 0;
+    });
+}

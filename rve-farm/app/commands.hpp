@@ -1,0 +1,11 @@
+#pragma once
+// The subcommands of rve-farm, one file each.
+namespace CLI {
+class App;
+}
+
+namespace talik::farm {
+
+void add_serve(CLI::App& app);
+
+} // namespace talik::farm

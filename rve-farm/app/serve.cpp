@@ -1,0 +1,62 @@
+// rve-farm serve: answers a driver until it says bye.
+#include <CLI/CLI.hpp>
+#include <unistd.h>
+
+#include <memory>
+#include <string>
+
+#include "common/base/error.hpp"
+#include "common/base/interrupt.hpp"
+#include "common/base/log.hpp"
+#include "common/base/version.hpp"
+#include "exchange/shm_channel.hpp"
+#include "rve-farm/app/commands.hpp"
+#include "rve-farm/backend/service.hpp"
+
+namespace talik::farm {
+namespace {
+
+struct ServeOptions {
+    std::string exchange, backend = "auto", precision = "double";
+    int threads = 0;
+    double stall_seconds = 120.0;
+    bool quiet = false;
+};
+
+std::unique_ptr<exchange::Channel> join(const ServeOptions& options) {
+    exchange::WaitLimits limits;
+    limits.stall_seconds = options.stall_seconds;
+    const std::string shm = "shm:";
+    require(options.exchange.starts_with(shm) && options.exchange.size() > shm.size(), "--exchange " + options.exchange + ": no such transport",
+            "give shm:NAME, with the name that the driver uses");
+    return exchange::join_shm_channel(options.exchange.substr(shm.size()), limits);
+}
+
+void serve(const ServeOptions& options) {
+    require(options.backend != "cuda", "--backend cuda: this build of rve-farm has no CUDA backend", "use --backend cpu");
+    require(options.precision == "double", "--precision " + options.precision + ": this build of rve-farm computes in double only",
+            "use --precision double");
+    log::start("rve-farm", options.quiet);
+    watch_interrupts();
+    const auto channel = join(options);
+    Service service(options.threads);
+    exchange::FarmEnd(*channel, service, "rve-farm " + version()).serve();
+}
+
+} // namespace
+
+void add_serve(CLI::App& app) {
+    auto options = std::make_shared<ServeOptions>();
+    CLI::App* command = app.add_subcommand("serve", "Answers a driver: strain increments in, stresses out");
+    command->footer("Examples:\n"
+                    "  rve-farm serve --exchange shm:slope --threads 2      (and: mpm-driver run scene.toml --exchange shm:slope)");
+    command->add_option("--exchange", options->exchange, "shm:NAME")->required();
+    command->add_option("--backend", options->backend, "auto, cpu or cuda")->check(CLI::IsMember({"auto", "cpu", "cuda"}));
+    command->add_option("--precision", options->precision, "double (single comes with the fast kernels)")->check(CLI::IsMember({"single", "double"}));
+    command->add_option("--threads", options->threads, "0 = all")->check(CLI::NonNegativeNumber);
+    command->add_option("--stall-seconds", options->stall_seconds, "how long a silent driver is waited for")->check(CLI::PositiveNumber);
+    command->add_flag("--quiet", options->quiet, "warnings and errors only");
+    command->callback([options] { serve(*options); });
+}
+
+} // namespace talik::farm
