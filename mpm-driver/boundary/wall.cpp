@@ -21,7 +21,7 @@ int axis_of(const WallSpec& spec) {
 Wall::Wall(const WallSpec& spec, const Grid& grid)
     : spec_(spec), motion_(spec.position, spec.velocity, spec.ramp), axis_(axis_of(spec)), tangent_(1 - axis_),
       inward_(spec.side == "left" || spec.side == "bottom" ? 1 : -1), stride_(grid.stride(axis_)),
-      axis_nodes_(grid.nodes(axis_)), lines_(static_cast<std::size_t>(grid.nodes(tangent_))) {
+      axis_nodes_(grid.nodes(axis_)), lines_(static_cast<std::size_t>(grid.nodes(tangent_))), touching_(lines_.size(), 0.0), sticking_(lines_.size(), 0.0) {
     require(spec.kind == "roller" || spec.kind == "fixed", "wall '" + spec.name + "': kind is '" + spec.kind + "'",
             "use roller or fixed");
     require(spec.friction >= 0.0, "wall '" + spec.name + "': friction is negative", "give a coefficient of 0 or more");
@@ -68,8 +68,7 @@ void Wall::start_step(const Grid& grid, double dt, double confining_pressure) {
     dt_ = dt;
     pressure_ = confining_pressure;
     for (Line& line : lines_) {
-        line.normal_impulse = line.tangential_impulse = 0.0;
-        line.face_speed_before = has_tangential() ? face_speed(grid.velocity_before, grid, line, tangent_) : 0.0;
+        line.normal_impulse = line.tangential_impulse = line.held_normal = line.held_tangential = 0.0;
         measure_line(grid, line);
     }
 }
@@ -88,57 +87,83 @@ void Wall::measure_line(const Grid& grid, Line& line) const {
 }
 
 // The mass-weighted projection of the line's velocities on the linear fields {V + a d_k} through the face:
-// a = sum m_k d_k (v_k - V) / sum m_k d_k^2. Returns the impulse it takes, sum m_k (V + a d_k - v_k), N s.
-double Wall::missing_impulse(const Grid& grid, const Line& line, int component, double target, double& slope) const {
+// a = sum m_k d_k (v_k - V) / sum m_k d_k^2; it takes the impulse sum m_k (V + a d_k - v_k), N s.
+Wall::Projection Wall::project(const Grid& grid, const std::vector<Vector>& velocity, const Line& line, int component,
+                               double target) const {
     double moment = 0.0, inertia = 0.0, impulse = 0.0;
     each_row(line, [&](std::size_t node, double d) {
-        moment += grid.mass[node] * d * (grid.velocity[node][component] - target);
+        moment += grid.mass[node] * d * (velocity[node][component] - target);
         inertia += grid.mass[node] * d * d;
     });
-    slope = inertia > 0.0 ? moment / inertia : 0.0;
+    const double slope = inertia > 0.0 ? moment / inertia : 0.0;
     each_row(line, [&](std::size_t node, double d) {
-        impulse += grid.mass[node] * (target + slope * d - grid.velocity[node][component]);
+        impulse += grid.mass[node] * (target + slope * d - velocity[node][component]);
     });
-    return impulse;
+    return {impulse, slope};
 }
 
-void Wall::correct(Grid& grid, const Line& line, int component, double target, double slope, double part) const {
+// Takes the given part of the way to the projection. Nodes without mass follow: nothing reads them.
+void Wall::correct(std::vector<Vector>& velocity, const Line& line, int component, double target, double slope, double part) const {
     each_row(line, [&](std::size_t node, double d) {
-        if (grid.mass[node] > 0.0)
-            grid.velocity[node][component] += part * (target + slope * d - grid.velocity[node][component]);
+        velocity[node][component] += part * (target + slope * d - velocity[node][component]);
     });
+}
+
+void Wall::hold_mapped_normal(Grid& grid) {
+    for (std::size_t k = 0; k < lines_.size(); ++k) {
+        if (spec_.separates && touching_[k] == 0.0) continue;
+        const Projection to = project(grid, grid.velocity_before, lines_[k], axis_, velocity_);
+        correct(grid.velocity_before, lines_[k], axis_, velocity_, to.slope, 1.0);
+        lines_[k].held_normal += inward_ * to.impulse;
+    }
+}
+
+void Wall::hold_mapped_tangential(Grid& grid) {
+    for (std::size_t k = 0; k < lines_.size(); ++k) {
+        if (spec_.kind != "fixed" && sticking_[k] == 0.0) continue;
+        const Projection to = project(grid, grid.velocity_before, lines_[k], tangent_, 0.0);
+        correct(grid.velocity_before, lines_[k], tangent_, 0.0, to.slope, 1.0);
+        lines_[k].held_tangential += to.impulse;
+    }
+}
+
+void Wall::remember_slip(const Grid& grid) {
+    if (has_tangential())
+        for (Line& line : lines_) line.face_speed_before = face_speed(grid.velocity_before, grid, line, tangent_);
 }
 
 void Wall::constrain_normal(Grid& grid) {
     for (Line& line : lines_) {
-        double slope;
-        const double missing = inward_ * missing_impulse(grid, line, axis_, velocity_, slope);
+        const Projection to = project(grid, grid.velocity, line, axis_, velocity_);
+        const double missing = inward_ * to.impulse;
         double part = 1.0;
         if (spec_.separates) { // the total force may only push: lambda/dt + p A >= 0
             const double least = -pressure_ * std::max(line.area, 0.0) * dt_;
             const double allowed = std::max(line.normal_impulse + missing, least) - line.normal_impulse;
-            part = missing != 0.0 ? allowed / missing : 0.0;
-            part = std::clamp(part, -1.0, 1.0);
+            part = missing != 0.0 ? std::clamp(allowed / missing, -1.0, 1.0) : 0.0;
         }
-        correct(grid, line, axis_, velocity_, slope, part);
+        correct(grid.velocity, line, axis_, velocity_, to.slope, part);
         line.normal_impulse += part * missing;
     }
 }
 
-// Sticking along the wall; for a roller, as far as Coulomb's limit mu N lets it, N the total push on the line.
+// Coulomb's limit mu N dt of a line, N the total push on it, N s.
+double Wall::friction_limit(const Line& line) const {
+    return spec_.friction * std::max(line.normal_impulse + pressure_ * line.area * dt_, 0.0);
+}
+
+// Sticking along the wall; for a roller, as far as Coulomb's limit lets it.
 void Wall::constrain_tangential(Grid& grid) {
     for (Line& line : lines_) {
-        double slope;
-        const double missing = missing_impulse(grid, line, tangent_, 0.0, slope);
+        const Projection to = project(grid, grid.velocity, line, tangent_, 0.0);
         double part = 1.0;
         if (spec_.kind != "fixed") {
-            const double push = std::max(line.normal_impulse + pressure_ * line.area * dt_, 0.0); // N s
-            const double limit = spec_.friction * push;
-            const double allowed = std::clamp(line.tangential_impulse + missing, -limit, limit) - line.tangential_impulse;
-            part = missing != 0.0 ? std::clamp(allowed / missing, -1.0, 1.0) : 0.0;
+            const double limit = friction_limit(line);
+            const double allowed = std::clamp(line.tangential_impulse + to.impulse, -limit, limit) - line.tangential_impulse;
+            part = to.impulse != 0.0 ? std::clamp(allowed / to.impulse, -1.0, 1.0) : 0.0;
         }
-        correct(grid, line, tangent_, 0.0, slope, part);
-        line.tangential_impulse += part * missing;
+        correct(grid.velocity, line, tangent_, 0.0, to.slope, part);
+        line.tangential_impulse += part * to.impulse;
     }
 }
 
@@ -147,21 +172,28 @@ bool Wall::touches(const Line& line) const {
     return !spec_.separates || line.normal_impulse + pressure_ * line.area * dt_ > 0.0;
 }
 
-void Wall::finish_step(const Grid& grid) {
-    double normal = 0.0, tangential = 0.0, area = 0.0, friction = 0.0;
-    for (const Line& line : lines_) {
+void Wall::finish_step(const Grid& grid, double pic) {
+    double normal = 0.0, tangential = 0.0, held_normal = 0.0, held_tangential = 0.0, area = 0.0, friction = 0.0;
+    for (std::size_t k = 0; k < lines_.size(); ++k) {
+        const Line& line = lines_[k];
         normal += line.normal_impulse;
         tangential += line.tangential_impulse;
-        if (touches(line)) area += line.area;
-        if (spec_.kind != "fixed" && spec_.friction > 0.0) // -impulse times the mean slip velocity over the step, J
-            friction -= line.tangential_impulse * 0.5 * (line.face_speed_before + face_speed(grid.velocity, grid, line, tangent_));
+        held_normal += line.held_normal;
+        held_tangential += line.held_tangential;
+        touching_[k] = touches(line) ? 1.0 : 0.0;
+        area += touching_[k] * line.area;
+        if (spec_.kind == "fixed" || spec_.friction == 0.0) continue;
+        sticking_[k] = std::abs(line.tangential_impulse) < friction_limit(line) ? 1.0 : 0.0;
+        // -impulse times the mean slip velocity over the step, J
+        friction -= line.tangential_impulse * 0.5 * (line.face_speed_before + face_speed(grid.velocity, grid, line, tangent_));
     }
-    reaction_.impulse[axis_] = inward_ * normal;
-    reaction_.impulse[tangent_] = tangential;
+    reaction_.impulse[axis_] = inward_ * (normal + pic * held_normal);
+    reaction_.impulse[tangent_] = tangential + pic * held_tangential;
     reaction_.contact_area = area;
     reaction_.force = reaction_.impulse / dt_;
     reaction_.force[axis_] += inward_ * pressure_ * area;
-    reaction_.work = inward_ * normal * velocity_;
+    reaction_.work = reaction_.impulse[axis_] * velocity_;
+    reaction_.pic_work = inward_ * pic * held_normal * velocity_;
     reaction_.friction_dissipation = friction;
 }
 
@@ -170,7 +202,9 @@ std::vector<StateColumn> Wall::state() {
     return {{prefix + "motion", "SI", "position m, time since it began to move s, moving", {"position", "elapsed", "moving"}, motion_.state().data(), 1},
             {prefix + "velocity", "m/s", "velocity along the axis", {""}, &velocity_, 1},
             {prefix + "force", "N", "force on the body", {"x", "y"}, reaction_.force.data(), 1},
-            {prefix + "contact_area", "m2", "area of contact", {""}, &reaction_.contact_area, 1}};
+            {prefix + "contact_area", "m2", "area of contact", {""}, &reaction_.contact_area, 1},
+            {prefix + "touching", "-", "whether a line of nodes was held in the last step", {""}, touching_.data(), touching_.size()},
+            {prefix + "sticking", "-", "whether a line of nodes stuck in the last step", {""}, sticking_.data(), sticking_.size()}};
 }
 
 } // namespace talik::driver

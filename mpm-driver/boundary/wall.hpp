@@ -7,6 +7,11 @@
 // points that tile the body up to the face load the two rows in just this ratio, so a uniform stress is in equilibrium
 // with the wall wherever it stands. The condition is imposed by the correction of least momentum (Gauss's principle):
 // the multiplier is the wall's impulse, and a field linear in the normal direction that satisfies it is left alone.
+// The velocity mapped from the points, v^n, is held to the condition too, where the wall held the material in the step
+// before: lumped masses map the wall's rows to the mean velocity of the points around, which is not the wall's, and what
+// the wall corrected of it each step would push the points as if it were a force. Such a correction is no impulse on the
+// points, but for the PIC fraction, which takes up the mapped velocity.
+//
 // Rows further out carry little mass (points that overlap the face under compression); they are held on the same line
 // through the face, so that linear fields stay untouched there too. All this is one mass-weighted projection of the
 // line's nodal velocities on {V + a d_k}, d_k the distances from the face.
@@ -25,6 +30,7 @@ struct WallReaction {
     double contact_area = 0.0;     // m^2: mean cross-section of the material beneath the face
     Vector impulse = Vector::Zero(); // of the constraint alone (without the confining pressure), N s
     double work = 0.0;             // of the constraint at the wall's velocity, J
+    double pic_work = 0.0;         // of it, what came through the PIC fraction, J
     double friction_dissipation = 0.0; // J
 };
 
@@ -42,11 +48,14 @@ public:
     void start_moving() { motion_.start(); }
     void stop() { motion_.stop(); }
 
-    // The calls of one step, in this order; the middle two are repeated where walls meet (boundary/walls.hpp).
+    // The calls of one step, in this order (boundary/walls.hpp); those in the middle are repeated where walls meet.
     void start_step(const Grid& grid, double dt, double confining_pressure);
+    void hold_mapped_normal(Grid& grid);
+    void hold_mapped_tangential(Grid& grid);
+    void remember_slip(const Grid& grid);
     void constrain_normal(Grid& grid);
     void constrain_tangential(Grid& grid);
-    void finish_step(const Grid& grid);
+    void finish_step(const Grid& grid, double pic);
 
     bool has_tangential() const { return spec_.kind == "fixed" || spec_.friction > 0.0; }
     std::vector<StateColumn> state();
@@ -57,6 +66,7 @@ private:
         int first_node = 0;              // of the line's rows, at row 0 of the axis
         double normal_impulse = 0.0;     // on the body, along the inward normal, N s
         double tangential_impulse = 0.0; // on the body, along the wall, N s
+        double held_normal = 0.0, held_tangential = 0.0; // what holding the mapped velocity took, N s
         double face_speed_before = 0.0;  // tangential velocity of the grid at the face before the step, m/s
         double area = 0.0;               // of contact, m^2
     };
@@ -65,11 +75,13 @@ private:
 
     void locate_face(const Grid& grid);
     bool touches(const Line& line) const;
+    double friction_limit(const Line& line) const;
     void measure_line(const Grid& grid, Line& line) const;
     template <class Visit> void each_row(const Line& line, Visit&& visit) const;
     double face_speed(const std::vector<Vector>& velocity, const Grid& grid, const Line& line, int component) const;
-    double missing_impulse(const Grid& grid, const Line& line, int component, double target, double& slope) const;
-    void correct(Grid& grid, const Line& line, int component, double target, double slope, double part) const;
+    struct Projection { double impulse, slope; }; // what it takes, N s; the line's slope, m/s per cell
+    Projection project(const Grid& grid, const std::vector<Vector>& velocity, const Line& line, int component, double target) const;
+    void correct(std::vector<Vector>& velocity, const Line& line, int component, double target, double slope, double part) const;
 
     WallSpec spec_;
     WallMotion motion_;
@@ -80,6 +92,7 @@ private:
     int outer_row_ = 0;     // row j
     double fraction_ = 0.0; // s in [0, 1): from row j towards the material
     std::vector<Line> lines_;
+    std::vector<double> touching_, sticking_; // by line, 0 or 1: as the last step left it
     WallReaction reaction_;
 };
 

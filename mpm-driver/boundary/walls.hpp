@@ -10,22 +10,39 @@ namespace talik::driver {
 // holds the tangential component too meets the walls that hold it normally on the nodes of a corner: the sweep is then
 // repeated (projected Gauss-Seidel on the impulses, which converges as alternating projections do); the normal
 // conditions have the last word.
-inline void constrain(std::vector<Wall>& walls, Grid& grid, double dt, double confining_pressure) {
-    constexpr int sweeps_where_walls_meet = 8; // the remaining conflict is a few percent of the corner nodes' share
+constexpr int sweeps_where_walls_meet = 8;
+
+inline int wall_sweeps(const std::vector<Wall>& walls) {
     bool tangential = false;
-    for (Wall& wall : walls) {
-        wall.start_step(grid, dt, confining_pressure);
-        tangential = tangential || wall.has_tangential();
-    }
-    const int sweeps = tangential && walls.size() > 1 ? sweeps_where_walls_meet : 1;
+    for (const Wall& wall : walls) tangential = tangential || wall.has_tangential();
+    return tangential && walls.size() > 1 ? sweeps_where_walls_meet : 1;
+}
+
+// Before the grid is advanced: walls move on, and the mapped velocity is held where they held it in the last step.
+inline void hold_mapped_velocity(std::vector<Wall>& walls, Grid& grid, double dt, double confining_pressure) {
+    for (Wall& wall : walls) wall.start_step(grid, dt, confining_pressure);
+    const int sweeps = wall_sweeps(walls);
     for (int sweep = 0; sweep < sweeps; ++sweep) {
-        for (Wall& wall : walls) wall.constrain_normal(grid);
+        for (Wall& wall : walls)
+            if (wall.has_tangential()) wall.hold_mapped_tangential(grid);
+        for (Wall& wall : walls) wall.hold_mapped_normal(grid);
+    }
+    for (Wall& wall : walls) wall.remember_slip(grid);
+}
+
+// After it: walls stop, push and rub.
+inline void constrain(std::vector<Wall>& walls, Grid& grid, double pic) {
+    const int sweeps = wall_sweeps(walls);
+    for (Wall& wall : walls) wall.constrain_normal(grid);
+    for (int sweep = 0; sweep < sweeps && sweeps > 1; ++sweep) {
         for (Wall& wall : walls)
             if (wall.has_tangential()) wall.constrain_tangential(grid);
-    }
-    if (sweeps > 1)
         for (Wall& wall : walls) wall.constrain_normal(grid);
-    for (Wall& wall : walls) wall.finish_step(grid);
+    }
+    if (sweeps == 1)
+        for (Wall& wall : walls)
+            if (wall.has_tangential()) wall.constrain_tangential(grid);
+    for (Wall& wall : walls) wall.finish_step(grid, pic);
 }
 
 } // namespace talik::driver

@@ -29,6 +29,7 @@ void Ledger::sum_law_energy(const Points& points) {
 }
 
 void Ledger::open(const Points& points) {
+    *this = Ledger();
     for (std::size_t p = 0; p < points.count(); ++p) {
         initial_mass += points.mass[p];
         initial_momentum += points.mass[p] * points.velocity[p];
@@ -71,7 +72,7 @@ void Ledger::book_grid(const Grid& grid, double dt, double pressure, const Vecto
         prescribed_impulse += Vector(sums[6], sums[7]);
         impulse_scale += std::hypot(sums[6], sums[7]);
     } else {
-        double true_work = 0.0, friction = 0.0;
+        double true_work = 0.0, through_pic = 0.0, friction = 0.0;
         for (const Wall& wall : walls) {
             const WallReaction& r = wall.reaction();
             const Vector total = dt * r.force, by_pressure = total - r.impulse; // N s
@@ -80,11 +81,13 @@ void Ledger::book_grid(const Grid& grid, double dt, double pressure, const Vecto
             impulse_scale += total.norm() + by_pressure.norm();
             pressure_on_walls += by_pressure[wall.axis()] * wall.velocity();
             true_work += r.work;
+            through_pic += r.pic_work;
             friction += r.friction_dissipation;
         }
         wall_work += true_work + pressure_on_walls;
         wall_friction += friction;
-        wall_impact += true_work - friction - sums[5];
+        wall_impact += true_work - through_pic - friction - sums[5];
+        pic += through_pic; // the points' PIC term, booked with them, already contains it as a gain
     }
     pressure_work += sums[3] - pressure_on_walls;
 }

@@ -32,6 +32,9 @@ void Simulation::build_schedule() {
     schedule_.add("nodal forces", [this] {
         nodal_forces(points_, supports_, scene_.confining_pressure, present_stage().gravity, grid_);
     });
+    schedule_.add("hold at walls", [this] {
+        if (!prescribed_) hold_mapped_velocity(walls_, grid_, dt_, scene_.confining_pressure);
+    });
     schedule_.add("advance grid", [this] { advance_grid(grid_, dt_); });
     schedule_.add("walls", [this] { constrain_grid(); });
     schedule_.add("strain increments", [this] { strain_increments(grid_, supports_, dt_, points_); });
@@ -122,6 +125,7 @@ void Simulation::step(double dt) {
         fail(steps_done() == 0 ? ExitCode::bad_input : ExitCode::failed,
              fmt::format("the step of {:.4g} s is beyond the largest stable one, {}", dt, describe(limit, grid_.cell())),
              fmt::format("use step = \"auto\", or at most {:.3g} s", 0.8 * limit.step));
+    if (steps_done() == 0) ledger_.open(points_); // with what the caller may have set since
     dt_ = dt;
     schedule_.run();
     clock_.time += dt;
@@ -130,7 +134,7 @@ void Simulation::step(double dt) {
 }
 
 void Simulation::constrain_grid() {
-    if (!prescribed_) return constrain(walls_, grid_, dt_, scene_.confining_pressure);
+    if (!prescribed_) return constrain(walls_, grid_, present_stage().pic);
     for (int node = 0; node < grid_.node_count(); ++node)
         grid_.velocity[static_cast<std::size_t>(node)] = (*prescribed_)(grid_.node_position(node));
 }
