@@ -53,10 +53,9 @@ struct flock byte_range(int byte, short type) {
 
 } // namespace
 
-ProcessIdentity this_process() {
-    const int pid = static_cast<int>(getpid());
-    return {pid, 0, read_stat(pid).start_time, own_pid_namespace()};
-}
+ProcessIdentity identity_of(int pid) { return {pid, 0, read_stat(pid).start_time, own_pid_namespace()}; }
+
+ProcessIdentity this_process() { return identity_of(static_cast<int>(getpid())); }
 
 bool in_this_pid_namespace(const ProcessIdentity& process) { return process.pid_namespace == own_pid_namespace(); }
 

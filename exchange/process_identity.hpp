@@ -12,6 +12,7 @@ struct ProcessIdentity { // lies in the shared segment: keep its layout
     bool operator==(const ProcessIdentity&) const = default;
 };
 
+ProcessIdentity identity_of(int pid); // of a process of this pid namespace
 ProcessIdentity this_process();
 bool in_this_pid_namespace(const ProcessIdentity& process);
 // Whether the process of that very start time exists and is no zombie. Only for processes of this pid namespace.

@@ -184,6 +184,7 @@ public:
         : time_(new (mmap(nullptr, sizeof(Time), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) Time(0)) {}
     ~SharedInstant() { munmap(time_, sizeof(Time)); }
     void set() { *time_ = Clock::now().time_since_epoch().count(); } // CLOCK_MONOTONIC is one for all processes
+    bool is_set() const { return *time_ != 0; }
     double seconds_ago() const {
         return std::chrono::duration<double>(Clock::now().time_since_epoch() - Clock::duration(time_->load())).count();
     }
