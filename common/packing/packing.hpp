@@ -25,6 +25,8 @@ struct Packing {
     std::vector<PackedContact> contacts;
     double pressure = 0.0;            // Pa it was prepared at (compression positive), for information
     std::uint64_t seed = 0;
+    double stiffness = 0.0;           // Pa: P-wave modulus of the contacts (upper bound), for information; 0 = not known
+    double stable_step = 0.0;         // s: 2/omega_max of the contact network, for information; 0 = not known
 
     int disc_count() const { return static_cast<int>(radius.size()); }
     double void_ratio() const; // area based: A_cell / sum(pi r^2) - 1

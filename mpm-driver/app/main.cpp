@@ -1,1 +1,99 @@
-int main() { return 0; }
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "common/base/interrupt.hpp"
+#include "common/base/log.hpp"
+#include "common/base/program.hpp"
+#include "common/base/version.hpp"
+#include "common/scene/units.hpp"
+#include "mpm-driver/app/explain.hpp"
+#include "mpm-driver/app/run.hpp"
+#include "mpm-driver/app/scene_schema.hpp"
+
+namespace {
+
+using namespace talik;
+using namespace talik::driver;
+
+// Every fault of a scene, a line each.
+int check(const std::string& scene, const std::vector<std::string>& set) {
+    const auto faults = check_scene(scene, set);
+    for (const auto& fault : faults) fmt::print(stderr, "error: {}\n", fault.text());
+    if (faults.empty()) fmt::print("{}: sound\n", scene);
+    return faults.empty() ? 0 : 2;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app("mpm-driver: granular ground by the material point method, with a DEM assembly in every point");
+    app.set_version_flag("--version", [] { return build_facts("mpm-driver"); });
+    app.footer("Examples:\n"
+               "  mpm-driver check cases/biaxial/dense.toml\n"
+               "  mpm-driver explain cases/biaxial/dense.toml\n"
+               "  mpm-driver run cases/biaxial/dense.toml --output out/dense\n"
+               "  mpm-driver --help-scene                 every key of a scene");
+    bool help_scene = false, markdown_scene = false;
+    app.add_flag("--help-scene", help_scene, "every key of a scene: unit, default, range, meaning");
+    app.add_flag("--help-scene-markdown", markdown_scene, "the same as Markdown: docs/scene.md");
+    app.require_subcommand(0, 1);
+    int exit = 0;
+
+    RunOptions options;
+    double until = 0.0;
+    CLI::App* run_command = app.add_subcommand("run", "Runs a scene, with a farm of RVEs where it calls for one");
+    run_command->footer("Examples:\n"
+                        "  mpm-driver run scene.toml --set stage.0.duration=\"0.2 s\" --set rve.contact.friction=0.3\n"
+                        "  mpm-driver run scene.toml --output out/a --restart out/a/checkpoint-000001200\n"
+                        "  mpm-driver run scene.toml --exchange shm:slope      (and: rve-farm serve --exchange shm:slope)");
+    run_command->add_option("scene", options.scene, "SCENE.toml")->required();
+    run_command->add_option("--output", options.output, "folder for everything the run leaves (default: out/<scene>)");
+    run_command->add_option("--exchange", options.exchange, "shm:NAME: meet a farm there instead of launching one");
+    run_command->add_option("--restart", options.restart, "go on from this checkpoint");
+    auto* until_option = run_command->add_option("--until", until, "stop at this simulated time, s")->check(CLI::PositiveNumber);
+    run_command->add_option("--set", options.set, "KEY=VALUE: overrides a key of the scene (repeatable)");
+    run_command->add_option("--threads", options.threads, "of the farm and of the driver; 0 = all")->check(CLI::NonNegativeNumber);
+    run_command->add_option("--backend", options.backend, "of the farm: auto, cpu or cuda")->check(CLI::IsMember({"auto", "cpu", "cuda"}));
+    run_command->add_option("--stall-seconds", options.stall_seconds, "how long a farm that does not move is waited for")->check(CLI::PositiveNumber);
+    run_command->add_flag("--quiet", options.quiet, "warnings and errors only");
+    run_command->callback([&] {
+        if (until_option->count() > 0) options.until = until;
+        log::start("mpm-driver", options.quiet);
+        watch_interrupts();
+        exit = run(options);
+    });
+
+    std::string scene;
+    std::vector<std::string> set;
+    int threads = 0;
+    CLI::App* explain_command = app.add_subcommand("explain", "What a scene calls for and what it will cost, without a run");
+    explain_command->add_option("scene", scene, "SCENE.toml")->required();
+    explain_command->add_option("--set", set, "KEY=VALUE: overrides a key of the scene (repeatable)");
+    explain_command->add_option("--threads", threads, "that a run would have; 0 = all");
+    explain_command->callback([&] {
+        log::start("mpm-driver", false);
+        exit = explain(scene, set, threads);
+    });
+
+    CLI::App* check_command = app.add_subcommand("check", "Validates a scene: every fault in it at once");
+    check_command->add_option("scene", scene, "SCENE.toml")->required();
+    check_command->add_option("--set", set, "KEY=VALUE: overrides a key of the scene (repeatable)");
+    check_command->callback([&] { exit = check(scene, set); });
+
+    return run_program([&] {
+        try {
+            app.parse(argc, argv);
+        } catch (const CLI::ParseError& error) {
+            return app.exit(error) == 0 ? 0 : 2;
+        }
+        if (help_scene || markdown_scene) {
+            fmt::print("{}", markdown_scene ? scene_markdown() : scene_help());
+            return 0;
+        }
+        if (app.get_subcommands().empty()) {
+            fmt::print("{}", app.help());
+            return 2;
+        }
+        return exit;
+    });
+}

@@ -76,7 +76,7 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
     json["waiting_seconds"] = {{"driver", facts.waiting_driver}, {"farm", facts.waiting_farm}};
     json["balance"] = {{"mass", ledger.mass_error()}, {"momentum", ledger.momentum_error()}, {"energy", ledger.energy_error()}, {"heat", nullptr}};
     json["energy_J"] = {{"input", ledger.input_work()}, {"kinetic", ledger.kinetic}, {"internal_work", ledger.internal_work},
-                        {"stored", ledger.stored}, {"dissipated_in_material", ledger.law_dissipation}, {"pic", ledger.pic},
+                        {"stored", ledger.law_stored}, {"dissipated_in_material", ledger.law_dissipation}, {"pic", ledger.pic},
                         {"transfer", ledger.transfer}, {"grid_damping", ledger.grid_damping},
                         {"particle_damping", ledger.particle_damping}, {"wall_friction", ledger.wall_friction}};
     json["warnings"] = facts.warnings;

@@ -1,0 +1,56 @@
+#include "mpm-driver/app/laws.hpp"
+
+#include <fmt/format.h>
+
+#include "common/base/error.hpp"
+#include "common/base/version.hpp"
+#include "mpm-driver/app/packings.hpp"
+#include "mpm-driver/constitutive/elastic.hpp"
+
+namespace talik::driver {
+
+double bulk_density(const std::vector<Packing>& packings, double grain_density) {
+    double sum = 0.0;
+    for (const Packing& packing : packings) sum += grain_density / (1.0 + packing.void_ratio());
+    return sum / static_cast<double>(packings.size());
+}
+
+SceneLaws make_laws(Scene& scene, const RunOptions& options) {
+    SceneLaws out;
+    if (scene.elastic) out.laws_["elastic"] = std::make_unique<ElasticLaw>(*scene.elastic);
+    if (scene.rve) {
+        FarmSetup setup;
+        setup.parameters = scene.rve->parameters;
+        setup.packings = obtain_packings(*scene.rve, options.threads, options.quiet);
+        for (BodySpec& body : scene.bodies)
+            if (body.law == "rve" && !body.density) body.density = bulk_density(setup.packings, setup.parameters.grain_density);
+        out.largest_dem_step_ = setup.parameters.time_step;
+        out.fixed_substeps_ = setup.parameters.substeps;
+        out.partner_ = std::make_unique<FarmPartner>(PartnerOptions{options.exchange, options.backend, options.threads, options.stall_seconds, options.quiet});
+        exchange::Hello hello;
+        hello.program = "mpm-driver " + version();
+        hello.run_id = out.partner_->run_id();
+        hello.scene_hash = scene.hash;
+        auto law = std::make_unique<FarmLaw>(out.partner_->channel(), hello, std::move(setup), scene.seed);
+        out.farm_ = law.get();
+        out.laws_["rve"] = std::move(law);
+    }
+    return out;
+}
+
+RunFacts SceneLaws::facts() const {
+    RunFacts facts;
+    if (!farm_) return facts;
+    facts.farm = farm_->farm_program();
+    facts.rves = farm_->rves();
+    facts.evaluations_asked = facts.evaluations_done = farm_->evaluations();
+    facts.split_steps = farm_->split_steps();
+    facts.waiting_driver = partner_->channel().waiting_seconds();
+    return facts;
+}
+
+void SceneLaws::bye() {
+    if (farm_) farm_->bye();
+}
+
+} // namespace talik::driver

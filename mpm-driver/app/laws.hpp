@@ -1,0 +1,37 @@
+#pragma once
+// The laws a scene calls for, and nothing else: elastic where a body asks for it, a farm where RVEs are asked for.
+#include <memory>
+
+#include "mpm-driver/app/farm_partner.hpp"
+#include "mpm-driver/app/run.hpp"
+#include "mpm-driver/constitutive/farm_law.hpp"
+#include "mpm-driver/mechanics/simulation.hpp"
+#include "mpm-driver/output/summary.hpp"
+
+namespace talik::driver {
+
+class SceneLaws {
+public:
+    SceneLaws(SceneLaws&&) = default;
+    Simulation::Laws take() { return std::move(laws_); } // for the simulation, once
+    RunFacts facts() const;                              // of the farm
+    std::int64_t rves() const { return farm_ ? farm_->rves() : 0; }
+    void bye();
+
+private:
+    friend SceneLaws make_laws(Scene& scene, const RunOptions& options);
+    SceneLaws() = default;
+    std::unique_ptr<FarmPartner> partner_; // outlives the law that speaks through it
+    Simulation::Laws laws_;
+    FarmLaw* farm_ = nullptr;
+    double largest_dem_step_ = 0.0; // s
+    int fixed_substeps_ = 0;
+};
+
+// Starts the farm where there is one; sets the bulk density of bodies whose scene leaves it to the RVEs.
+SceneLaws make_laws(Scene& scene, const RunOptions& options);
+
+// Bulk density of a packing's discs, kg/m^3: grain density / (1 + e); the mean over the packings.
+double bulk_density(const std::vector<Packing>& packings, double grain_density);
+
+} // namespace talik::driver

@@ -1,0 +1,173 @@
+#include "mpm-driver/app/run.hpp"
+
+#include <fmt/format.h>
+#include <omp.h>
+#include <sys/resource.h>
+
+#include <chrono>
+#include <filesystem>
+
+#include "common/base/error.hpp"
+#include "common/base/interrupt.hpp"
+#include "common/base/log.hpp"
+#include "common/base/progress.hpp"
+#include "common/base/version.hpp"
+#include "common/io/text_file.hpp"
+#include "mpm-driver/app/farm_partner.hpp"
+#include "mpm-driver/app/laws.hpp"
+#include "mpm-driver/app/scene_schema.hpp"
+#include "mpm-driver/output/checkpoint.hpp"
+#include "mpm-driver/output/history.hpp"
+#include "mpm-driver/output/quantities.hpp"
+#include "mpm-driver/output/summary.hpp"
+
+namespace talik::driver {
+namespace {
+
+namespace fs = std::filesystem;
+
+double cpu_seconds() { // of this process and its ended children
+    double sum = 0.0;
+    for (const auto who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+        rusage usage{};
+        getrusage(who, &usage);
+        sum += static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) + 1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+    }
+    return sum;
+}
+
+// Due at the first step on or after each multiple of the interval.
+bool due(double interval, double before, double now) {
+    if (interval <= 0.0) return false;
+    const double slack = 1e-9; // of an interval: multiples of a decimal step are not exact
+    return std::floor(now / interval + slack) > std::floor(before / interval + slack);
+}
+
+class Run {
+public:
+    Run(const RunOptions& options, const Scene& scene)
+        : options_(options), scene_(scene), output_(output_folder(options)), laws_(make_laws(scene_, options)),
+          simulation_(scene_, laws_.take()), checkpoints_(output_) {
+        if (!options.restart.empty()) restore_checkpoint(simulation_, options.restart);
+        const std::int64_t keep = options.restart.empty() ? -1 : simulation_.steps_done();
+        std::vector<std::string> names;
+        for (const HistoryValue& value : history_values(simulation_)) names.push_back(value.name);
+        history_.emplace(output_ / "history.csv", names, keep);
+        fields_.emplace(output_, keep);
+        if (options.restart.empty()) {
+            write_history();
+            write_fields();
+        }
+    }
+
+    void announce() const {
+        const Effects effects = effects_of(scene_);
+        log::info("{}: {} points, {} RVEs; output in {}", scene_.title, simulation_.points().count(), laws_.rves(), output_.string());
+        for (const auto& effect : effects.on) log::info("on   {}", effect);
+        for (const auto& effect : effects.off) log::info("off  {}", effect);
+        log::info("a step: {}", fmt::join(simulation_.schedule().table_of_contents(), " > "));
+        log::info("largest stable step: {}", describe(simulation_.stable_step(), simulation_.grid().cell()));
+    }
+
+    int go() {
+        const double end = options_.until ? std::min(*options_.until, simulation_.end_time()) : simulation_.end_time();
+        Progress progress(scene_.title.empty() ? scene_.file : scene_.title, options_.quiet);
+        while (!simulation_.finished() && simulation_.time() < end * (1.0 - 1e-12)) {
+            if (interrupted()) return stop_on_interrupt();
+            advance();
+            progress.update(simulation_.time() / end, fmt::format("t = {:.4g} s, step {}", simulation_.time(), simulation_.steps_done()));
+        }
+        if (!written_fields_) write_fields();
+        if (history_->last_step() != simulation_.steps_done()) write_history();
+        write_checkpoint();
+        return 0;
+    }
+
+    // After the end of go(), however it ended.
+    void close(int exit, const std::string& cause) {
+        RunFacts facts = laws_.facts();
+        facts.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+        facts.stage_seconds = simulation_.schedule().timer().rows();
+        facts.stage_seconds.emplace_back("output", output_seconds_);
+        facts.exit = exit;
+        facts.cause = cause;
+        if (exit == 0) laws_.bye(); // the farm ends, so that its CPU time can be counted
+        facts.cpu_seconds = cpu_seconds();
+        write_summary(output_ / "summary.json", simulation_, facts);
+        if (!options_.quiet) fmt::print(stderr, "\n{}{}", summary_table(simulation_, facts), fmt::format("  {:<28}{}\n", "output", output_.string()));
+    }
+
+    std::string newest_checkpoint() const {
+        const auto& newest = checkpoints_.newest();
+        if (!newest.empty()) return newest.string();
+        return options_.restart;
+    }
+
+private:
+    static fs::path output_folder(const RunOptions& options) {
+        const fs::path folder = options.output.empty() ? fs::path("out") / fs::path(options.scene).stem() : fs::path(options.output);
+        make_folder(folder);
+        return folder;
+    }
+
+    void advance() {
+        const double before = simulation_.time();
+        const int stage = simulation_.stage();
+        simulation_.step(simulation_.next_step());
+        const auto timed = StageTimer::Scope(output_seconds_);
+        const double now = simulation_.time();
+        const bool turn = simulation_.stage() != stage;
+        if (turn && !simulation_.finished()) log::info("t = {:.4g} s: stage \"{}\"", now, scene_.stages[static_cast<std::size_t>(simulation_.stage())].name);
+        if (scene_.output.history_interval <= 0.0 || due(scene_.output.history_interval, before, now)) write_history();
+        written_fields_ = due(scene_.output.fields_interval, before, now);
+        if (written_fields_) write_fields();
+        if (due(scene_.output.checkpoint_interval, before, now)) write_checkpoint();
+    }
+
+    void write_history() {
+        std::vector<double> values;
+        for (const HistoryValue& value : history_values(simulation_)) values.push_back(value.value);
+        history_->row(simulation_.steps_done(), simulation_.time(), values);
+    }
+    void write_fields() { fields_->write(simulation_.steps_done(), simulation_.time(), simulation_.grid().thickness(), field_columns(simulation_)); }
+    void write_checkpoint() { checkpoints_.write(simulation_); }
+
+    int stop_on_interrupt() {
+        write_checkpoint();
+        fail(ExitCode::failed, fmt::format("stopped by {} at t = {:.6g} s", interrupt_name(), simulation_.time()),
+             "go on with --restart " + checkpoints_.newest().string());
+    }
+
+    RunOptions options_;
+    Scene scene_;
+    fs::path output_;
+    SceneLaws laws_;
+    Simulation simulation_;
+    Checkpoints checkpoints_;
+    std::optional<History> history_;
+    std::optional<FieldsWriter> fields_;
+    bool written_fields_ = false;
+    double output_seconds_ = 0.0;
+    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+} // namespace
+
+int run(const RunOptions& options) {
+    if (options.threads > 0) omp_set_num_threads(options.threads);
+    const Scene scene = read_scene(options.scene, options.set);
+    Run run(options, scene);
+    run.announce();
+    try {
+        const int exit = run.go();
+        run.close(exit, "");
+        return exit;
+    } catch (const Error& error) {
+        run.close(static_cast<int>(error.code()), error.what());
+        const std::string checkpoint = run.newest_checkpoint();
+        const std::string last = checkpoint.empty() ? "no checkpoint was written yet" : "last good checkpoint: " + checkpoint;
+        throw Error(error.code(), error.where(), error.problem(), error.remedy().find("--restart") == std::string::npos ? error.remedy() + "; " + last : error.remedy());
+    }
+}
+
+} // namespace talik::driver

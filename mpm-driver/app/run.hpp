@@ -1,0 +1,24 @@
+#pragma once
+// mpm-driver run: a scene from start to end, or on from a checkpoint.
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace talik::driver {
+
+struct RunOptions {
+    std::string scene;
+    std::string output;               // empty = out/<scene's name>
+    std::string exchange;             // empty = launch a farm
+    std::string restart;              // a checkpoint's folder
+    std::string backend = "auto";
+    std::optional<double> until;      // s
+    std::vector<std::string> set;     // key=value
+    int threads = 0;                  // of farm and driver; 0 = all
+    double stall_seconds = 120.0;
+    bool quiet = false;
+};
+
+int run(const RunOptions& options);
+
+} // namespace talik::driver
