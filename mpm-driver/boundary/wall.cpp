@@ -46,11 +46,11 @@ void Wall::locate_face(const Grid& grid) {
 // visit(node, distance): distance from the face in cells, positive inside.
 template <class Visit>
 void Wall::each_row(const Line& line, Visit&& visit) const {
-    for (int k = 0; k < row_count; ++k) {
-        const int row = outer_row_ + inward_ * (k - rows_outside);
+    for (int k = -rows_outside; k <= innermost_row(); ++k) {
+        const int row = outer_row_ + inward_ * k;
         if (row < 0 || row >= axis_nodes_) continue;
         const int node = line.first_node + row * stride_;
-        visit(static_cast<std::size_t>(node), k - rows_outside - fraction_);
+        visit(static_cast<std::size_t>(node), k - fraction_);
     }
 }
 

@@ -13,8 +13,10 @@
 // points, but for the PIC fraction, which takes up the mapped velocity.
 //
 // Rows further out carry little mass (points that overlap the face under compression); they are held on the same line
-// through the face, so that linear fields stay untouched there too. All this is one mass-weighted projection of the
-// line's nodal velocities on {V + a d_k}, d_k the distances from the face.
+// through the face, so that linear fields stay untouched there too. Where row j+1 lies closer than half a cell beneath the
+// face, row j+2 is on the line as well: the slope would otherwise be left to row j alone, which then gives way to the
+// overlapping points until they have no stress, and the reaction would jump as the face passes the row.
+// All this is one mass-weighted projection of the line's nodal velocities on {V + a d_k}, d_k the distances from the face.
 #include <vector>
 
 #include "mpm-driver/app/scene.hpp"
@@ -70,8 +72,10 @@ private:
         double face_speed_before = 0.0;  // tangential velocity of the grid at the face before the step, m/s
         double area = 0.0;               // of contact, m^2
     };
-    // The rows that a line's projection sees: two further out, the row j at or behind the face, and j+1 inside.
-    static constexpr int rows_outside = 2, row_count = 4;
+    // The rows of a line's projection, counted from row j: two further out, and inward to the first that lies half a
+    // cell or more beneath the face.
+    static constexpr int rows_outside = 2;
+    int innermost_row() const { return fraction_ <= 0.5 ? 1 : 2; }
 
     void locate_face(const Grid& grid);
     bool touches(const Line& line) const;

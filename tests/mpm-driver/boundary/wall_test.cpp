@@ -1,0 +1,158 @@
+#include <cmath>
+
+#include "mpm-driver/boundary/walls.hpp"
+#include "tests/mpm-driver/fault_text.hpp"
+#include "tests/mpm-driver/mechanics/small_scenes.hpp"
+#include "tests/support/catch.hpp"
+
+using namespace talik;
+using namespace talik::driver;
+using namespace talik::driver::tests;
+
+namespace {
+
+// A grid of 10 x 10 cells of 0.1 m whose nodes all have mass, unevenly.
+Grid grid_with_mass() {
+    Grid grid({0, 0}, {1, 1}, 0.1, 1.0);
+    for (int n = 0; n < grid.node_count(); ++n) grid.mass[static_cast<std::size_t>(n)] = 1.0 + 0.3 * std::sin(1.7 * n);
+    return grid;
+}
+
+template <class Field>
+void set_velocity(Grid& grid, Field&& field) {
+    for (int n = 0; n < grid.node_count(); ++n)
+        grid.velocity[static_cast<std::size_t>(n)] = grid.velocity_before[static_cast<std::size_t>(n)] = field(grid.node_position(n));
+}
+
+} // namespace
+
+TEST_CASE("a velocity field linear in the normal direction that satisfies a wall is left alone, wherever its face stands") {
+    const std::string side = GENERATE("left", "right", "bottom", "top");
+    const double face = GENERATE(0.5, 0.5 + 1e-13, 0.51, 0.537, 0.5999999, 0.6);
+    Grid grid = grid_with_mass();
+    std::vector<Wall> walls;
+    walls.emplace_back(wall(side, face, "fixed"), grid);
+    const int axis = side == "left" || side == "right" ? 0 : 1;
+    const auto field = [&](const Vector& x) { return Vector((x[axis] - face) * Vector(0.7, -0.4)); };
+    set_velocity(grid, field);
+    hold_mapped_velocity(walls, grid, 1e-3, 0.0);
+    constrain(walls, grid, 0.0);
+    double change = 0.0;
+    for (int n = 0; n < grid.node_count(); ++n)
+        change = std::max(change, (grid.velocity[static_cast<std::size_t>(n)] - field(grid.node_position(n))).norm());
+    CHECK(change < 1e-13); // roundings of distances of 1 m, and a face within 1e-12 cells of a row that counts as on it
+    CHECK(walls[0].reaction().force.norm() < 1e-13 / 1e-3 * 40.0); // the same, times the mass of four rows over dt
+}
+
+TEST_CASE("a wall gives the grid its velocity at the face with the least change of momentum, and its impulse is that change") {
+    const double face = GENERATE(0.5, 0.537, 0.549); // beyond half a cell a third row takes part
+    Grid grid = grid_with_mass();
+    for (int j = 0; j < 6; ++j) // no material beneath row 0.5 m: two rows take part
+        for (int i = 0; i < grid.nodes(0); ++i) grid.mass[static_cast<std::size_t>(grid.node(i, j))] = 0.0;
+    std::vector<Wall> walls;
+    walls.emplace_back(wall("bottom", face), grid);
+    set_velocity(grid, [](const Vector& x) { return Vector(0.3, 0.2 * std::cos(9.0 * x[0] + 5.0 * x[1])); });
+    const std::vector<Vector> before = grid.velocity;
+    hold_mapped_velocity(walls, grid, 1e-3, 0.0);
+    constrain(walls, grid, 0.0);
+    const double s = (face - 0.5) / 0.1;
+    double impulse = 0.0;
+    for (int i = 0; i < grid.nodes(0); ++i) {
+        const auto j = static_cast<std::size_t>(grid.node(i, 6)), inner = static_cast<std::size_t>(grid.node(i, 7));
+        CHECK(std::abs((1 - s) * grid.velocity[j][1] + s * grid.velocity[inner][1]) < 1e-14);
+        // Gauss: m_j dv_j : m_{j+1} dv_{j+1} = (1-s) : s
+        const double outer_part = grid.mass[j] * (grid.velocity[j][1] - before[j][1]);
+        const double inner_part = grid.mass[inner] * (grid.velocity[inner][1] - before[inner][1]);
+        CHECK(std::abs(s * outer_part - (1 - s) * inner_part) < 1e-14);
+        CHECK(grid.velocity[j][0] == 0.3); // a roller leaves the other component
+        impulse += outer_part + inner_part;
+    }
+    CHECK(walls[0].reaction().force[1] == Approx(impulse / 1e-3).epsilon(1e-12));
+}
+
+TEST_CASE("the reaction of a plate is continuous as its face crosses a node row") {
+    // A block between two plates; the upper one pushes it down at constant speed, its face passing a row of nodes. The
+    // block's weightless and slow, so the reaction is its elastic resistance, E' strain, and must not jump.
+    BodySpec body = box({0.3, 0.3}, {0.7, 0.905});
+    body.polygon = {{0.3, 0.305}, {0.7, 0.305}, {0.7, 0.905}, {0.3, 0.905}};
+    Scene scene = elastic_scene(body, {0, 0}, {1, 1.2});
+    scene.walls = {wall("bottom", 0.305), wall("top", 0.905, "roller", -0.02)};
+    scene.walls[1].ramp = 0.1; // s
+    scene.stages[0].moves = {"top"};
+    scene.stages[0].particle_damping = 20.0; // 1/s
+    auto simulation = start(scene);
+    double previous = 0.0, largest_jump = 0.0, largest_smooth_change = 0.0, force = 0.0;
+    int crossings = 0;
+    for (int k = 0; k < 3000; ++k) { // 0.6 s: the face moves from 0.905 m to 0.894 m and crosses the row at 0.9 m
+        const double position = simulation->walls()[1].position();
+        take_steps(*simulation, 1);
+        force = -simulation->walls()[1].reaction().force[1];
+        const bool crosses = position > 0.9 && simulation->walls()[1].position() <= 0.9;
+        crossings += crosses;
+        const double change = std::abs(force - previous);
+        if (k > 600) (std::abs(position - 0.9) < 2e-5 ? largest_jump : largest_smooth_change) =
+            std::max(std::abs(position - 0.9) < 2e-5 ? largest_jump : largest_smooth_change, change);
+        previous = force;
+    }
+    CHECK(crossings == 1);
+    WARN("plate crossing a row: change of the reaction per step " << largest_jump << " N there, " << largest_smooth_change << " N elsewhere, of " << force << " N");
+    CHECK(largest_jump < 0.01 * force); // 1 % of the force then reached; elsewhere the steps differ by as much
+}
+
+TEST_CASE("a wall that separates only pushes") {
+    Grid grid = grid_with_mass();
+    WallSpec spec = wall("bottom", 0.5);
+    spec.separates = true;
+    std::vector<Wall> walls;
+    walls.emplace_back(spec, grid);
+    set_velocity(grid, [](const Vector&) { return Vector(0.0, 0.1); }); // leaves
+    hold_mapped_velocity(walls, grid, 1e-3, 0.0);
+    constrain(walls, grid, 0.0);
+    CHECK(walls[0].reaction().force.norm() == 0.0);
+    set_velocity(grid, [](const Vector&) { return Vector(0.0, -0.1); }); // comes
+    hold_mapped_velocity(walls, grid, 1e-3, 0.0);
+    constrain(walls, grid, 0.0);
+    CHECK(walls[0].reaction().force[1] > 0.0);
+    for (int i = 0; i < grid.nodes(0); ++i) CHECK(std::abs(grid.velocity[static_cast<std::size_t>(grid.node(i, 6))][1]) < 1e-16);
+}
+
+TEST_CASE("a block slides on a rough wall with the deceleration mu g, and its friction is booked") {
+    BodySpec body = box({0.3, 0.2}, {0.7, 0.4});
+    body.velocity = {1.0, 0.0};
+    Scene scene = elastic_scene(body, {0, 0}, {3, 1});
+    scene.walls = {wall("bottom", 0.2)};
+    scene.walls[0].friction = 0.3;
+    scene.walls[0].separates = true;
+    scene.stages[0].gravity = {0.0, -10.0};
+    auto simulation = start(scene);
+    Points& points = simulation->points();
+    for (std::size_t p = 0; p < points.count(); ++p) // at rest under its weight: it would bounce otherwise
+        points.stress[p] = {0.0, -2000.0 * 10.0 * (0.4 - points.position[p][1]), 0.0};
+    take_steps(*simulation, 500); // 0.1 s
+    const Ledger& ledger = simulation->ledger();
+    const double speed = ledger.momentum[0] / ledger.mass; // mean, m/s
+    WARN("sliding block: speed " << speed << " m/s after 0.1 s (0.7 expected), friction " << ledger.wall_friction << " J of " << ledger.initial_kinetic - ledger.kinetic << " J; energy error " << ledger.energy_error() << ": internal " << ledger.internal_work << ", by points " << ledger.point_work << ", transfer " << ledger.transfer << ", impact " << ledger.wall_impact << ", gravity " << ledger.gravity_work);
+    CHECK(speed == Approx(0.7).epsilon(0.01)); // the block shakes a little as friction sets in
+    CHECK(ledger.wall_friction == Approx(0.5 * 160.0 * (1.0 - 0.49)).epsilon(0.03));
+    CHECK(ledger.momentum_error() < 1e-12);
+    CHECK(ledger.energy_error() < 0.01);
+}
+
+TEST_CASE("a moving wall's position is the integral of its velocity for any step") {
+    const Grid grid({0, 0}, {1, 1}, 0.1, 1.0);
+    for (const int steps : {1, 7, 1000}) {
+        WallMotion motion(0.5, -0.1, 0.2);
+        motion.start();
+        double path = 0.0;
+        for (int k = 0; k < steps; ++k) path += motion.advance(0.5 / steps) * 0.5 / steps;
+        CHECK(motion.position() == Approx(0.5 - 0.1 * (0.5 - 0.1)).epsilon(1e-12)); // half the ramp is lost
+        CHECK(path == Approx(-0.04).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("a wall outside the domain is refused by name") {
+    const Grid grid({0, 0}, {1, 1}, 0.1, 1.0);
+    CHECK(says(fault_of([&] { Wall(wall("top", 1.05), grid); }), "wall 'top' at 1.05 m stands outside the domain"));
+    CHECK(says(fault_of([&] { Wall(wall("up", 0.5), grid); }), "side is 'up'"));
+    CHECK(fault_of([&] { Wall(wall("top", 1.0), grid); }).empty());
+}
