@@ -36,8 +36,8 @@ void write_packing(Hdf5File& file, const std::string& group, const Packing& p) {
     file.set_attribute(group, "pressure_Pa", p.pressure);
     file.set_attribute(group, "void_ratio", p.void_ratio());
     file.set_attribute(group, "seed", static_cast<std::int64_t>(p.seed));
-    file.set_attribute(group, "stiffness", p.stiffness);
-    file.set_attribute(group, "stable_step", p.stable_step);
+    file.set_attribute(group, "stiffness_Pa", p.stiffness);
+    file.set_attribute(group, "stable_step_s", p.stable_step);
     file.write(group + "/x_m", p.x);
     file.write(group + "/y_m", p.y);
     file.write(group + "/radius_m", p.radius);
@@ -84,8 +84,8 @@ Packing read_packing(const Hdf5File& file, const std::string& group) {
     p.grain_density = file.number_attribute(group, "grain_density_kg_m3");
     p.pressure = file.number_attribute(group, "pressure_Pa");
     p.seed = static_cast<std::uint64_t>(file.integer_attribute(group, "seed"));
-    p.stiffness = file.number_attribute(group, "stiffness");
-    p.stable_step = file.number_attribute(group, "stable_step");
+    p.stiffness = file.number_attribute(group, "stiffness_Pa");
+    p.stable_step = file.number_attribute(group, "stable_step_s");
     p.x = file.read<double>(group + "/x_m").values;
     p.y = file.read<double>(group + "/y_m").values;
     p.radius = file.read<double>(group + "/radius_m").values;

@@ -93,10 +93,10 @@ void resolve_packing_files(PackingSpec& packing, const std::string& document_fil
 
 std::string packing_specification(const RveSpec& rve) {
     RveSpec kept = rve;
-    kept.parameters.bond.reset(); // bonds come after preparation
-    kept.parameters.substeps = 0;
-    kept.parameters.skin = 0.0;
-    kept.parameters.fluctuation_stress = false;
+    kept.parameters = RveParameters(); // bonds, steps and damping are those of the run, not of the preparation
+    kept.parameters.contact = rve.parameters.contact;
+    kept.parameters.grain_density = rve.parameters.grain_density;
+    kept.parameters.thickness = rve.parameters.thickness;
     return "[rve]\n" + rve_table().dump(kept, "rve");
 }
 

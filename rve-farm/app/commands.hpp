@@ -6,6 +6,8 @@ class App;
 
 namespace talik::farm {
 
+void add_pack(CLI::App& app);
+void add_element(CLI::App& app);
 void add_serve(CLI::App& app);
 
 } // namespace talik::farm

@@ -8,6 +8,8 @@ int main(int argc, char** argv) {
     CLI::App app("rve-farm: periodic assemblies of discs (RVEs), solved by the discrete element method");
     app.set_version_flag("--version", [] { return talik::build_facts("rve-farm"); });
     app.require_subcommand(1);
+    talik::farm::add_pack(app);
+    talik::farm::add_element(app);
     talik::farm::add_serve(app);
     return talik::run_program([&] {
         try {

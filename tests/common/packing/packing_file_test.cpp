@@ -26,6 +26,8 @@ TEST_CASE("a packing file returns every field of every packing, bit by bit, in o
     const std::string yade = TALIK_SOURCE_DIR "/tests/reference/yade/packing_";
     Packing first = read_packing_csv(yade + "medium_particles.csv", yade + "medium_contacts.csv");
     first.seed = 42;
+    first.stiffness = 8e6;
+    first.stable_step = 4e-5;
     first.contacts[3].bonded = true;
     Packing second = read_packing_csv(yade + "loose_particles.csv"); // no contacts
     second.velocity_x.clear(), second.velocity_y.clear(), second.spin.clear();
@@ -43,6 +45,8 @@ TEST_CASE("a packing file returns every field of every packing, bit by bit, in o
     CHECK(read[0].grain_density == first.grain_density);
     CHECK(read[0].pressure == first.pressure);
     CHECK(read[0].seed == 42);
+    CHECK(read[0].stiffness == 8e6);
+    CHECK(read[0].stable_step == 4e-5);
     REQUIRE(read[0].contacts.size() == first.contacts.size());
     for (std::size_t c = 0; c < first.contacts.size(); ++c) {
         CHECK(read[0].contacts[c].first == first.contacts[c].first);

@@ -1,0 +1,66 @@
+// rve-farm pack: prepares periodic packings.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "common/base/error.hpp"
+#include "common/base/log.hpp"
+#include "common/base/progress.hpp"
+#include "common/packing/packing_file.hpp"
+#include "rve-farm/app/commands.hpp"
+#include "rve-farm/app/specification.hpp"
+#include "rve-farm/packing/prepare.hpp"
+
+namespace talik::farm {
+namespace {
+
+struct PackOptions {
+    std::string specification, output;
+    std::vector<std::string> overrides;
+    int threads = 0;
+    bool quiet = false, keys = false;
+};
+
+void pack(const PackOptions& options) {
+    if (options.keys) {
+        std::fputs(pack_help().c_str(), stdout);
+        return;
+    }
+    require(!options.specification.empty() && !options.output.empty(), "pack: a specification and -o are needed", "see rve-farm pack --help");
+    log::start("rve-farm", options.quiet);
+    std::string dump;
+    const RveSpec spec = read_pack_specification(options.specification, options.overrides, dump);
+    std::vector<Packing> packings;
+    {
+        Progress progress("packings", options.quiet);
+        const double count = spec.packing.count;
+        packings = prepare_packings(spec, options.threads, [&](int done) { progress.update(done / count, fmt::format("{} of {}", done, spec.packing.count)); });
+    }
+    write_packings(options.output, "rve-farm", packings, dump);
+    if (!options.quiet)
+        for (const Packing& p : packings) log::info("seed {}: {} discs, void ratio {:.4f}, {:.1f} kPa", p.seed, p.disc_count(), p.void_ratio(), 1e-3 * p.pressure);
+}
+
+} // namespace
+
+void add_pack(CLI::App& app) {
+    auto options = std::make_shared<PackOptions>();
+    CLI::App* command = app.add_subcommand("pack", "Prepares periodic packings at a void ratio and a pressure, or from CSV");
+    command->footer("Examples:\n"
+                    "  rve-farm pack dense.toml -o dense.h5\n"
+                    "  rve-farm pack dense.toml -o loose.h5 --set rve.packing.void_ratio=0.235 --set rve.packing.count=8\n"
+                    "where dense.toml holds the [rve] tables of a scene:\n"
+                    "  [rve.packing]\n  discs = 400\n  void_ratio = 0.161\n  pressure = \"100 kPa\"\n  seed = 1\n"
+                    "  [rve.contact]\n  friction = 0.5");
+    command->add_option("specification", options->specification, "TOML file; --keys lists what it may hold");
+    command->add_option("-o,--output", options->output, "HDF5 file of packings");
+    command->add_option("--set", options->overrides, "key=value, overrides the file (repeatable)")->allow_extra_args(false);
+    command->add_option("--threads", options->threads, "0 = all; the packings do not depend on it")->check(CLI::NonNegativeNumber);
+    command->add_flag("--quiet", options->quiet, "warnings and errors only");
+    command->add_flag("--keys", options->keys, "lists every key of a specification");
+    command->callback([options] { pack(*options); });
+}
+
+} // namespace talik::farm

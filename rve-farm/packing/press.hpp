@@ -1,0 +1,36 @@
+#pragma once
+// One RVE under an isotropic pressure: all three stress components are held, whatever the discs do. Used to prepare packings.
+#include "common/packing/packing_spec.hpp"
+#include "rve-farm/backend/farm.hpp"
+#include "rve-farm/element/servo.hpp"
+
+namespace talik::farm {
+
+// What "at rest under the pressure" means.
+struct Equilibrium {
+    double stress_error = 1e-3;    // of each component, over the pressure; half of what is promised
+    double unbalanced_force = 1e-4; // mean force on a disc / mean contact force
+    int lasting = 10;              // macro steps in a row
+};
+
+class Press {
+public:
+    // Preparation has a step and a damping of its own, so that a packing does not depend on those of the run it is for.
+    Press(const RveSpec& spec, const Packing& start, double friction);
+
+    void step();                              // one macro step
+    bool settle(const Equilibrium& wanted);   // false: not within a strain of some hundred per cent
+    void set_friction(double friction) { farm_.set_friction(friction); }
+
+    const Answer& state() const { return state_; }
+    Packing at_rest(double pressure, std::uint64_t seed); // the packing as it stands, discs at rest
+
+private:
+    double pressure_;  // Pa
+    double sub_step_;  // s
+    Farm farm_;
+    Servo servo_;
+    Answer state_;
+};
+
+} // namespace talik::farm
