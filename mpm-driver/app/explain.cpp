@@ -57,7 +57,11 @@ void explain_effects(const Scene& scene) {
 
 void explain_steps(const Scene& scene, const Grid& grid, const Points& points, const std::vector<double>& half_size, const RveFacts& facts) {
     const StepLimit limit = mechanical_step_limit(grid, points, half_size);
-    row("mechanical limit (42)", describe(limit, scene.domain.cell));
+    if (!std::isfinite(limit.step) && !scene.step.fixed) {
+        row("time steps", "not known before the start: these packings do not tell their stiffness (those of `rve-farm pack` do)");
+        return;
+    }
+    row("mechanical limit (42)", std::isfinite(limit.step) ? describe(limit, scene.domain.cell) : "not known before the start: these packings do not tell their stiffness");
     const double step = scene.step.fixed.value_or(scene.step.safety * limit.step);
     row("mechanical step", scene.step.fixed ? fmt::format("{:.3g} s, fixed by the scene{}", step, step > limit.step ? ": BEYOND THE LIMIT, the run will be refused" : "")
                                             : fmt::format("{:.3g} s now: safety {:.3g} times the limit", step, scene.step.safety));

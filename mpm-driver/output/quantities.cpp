@@ -1,23 +1,11 @@
 #include "mpm-driver/output/quantities.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <cmath>
+#include <algorithm>
+
+#include "mpm-driver/points/kinematics.hpp"
 
 namespace talik::driver {
 namespace {
-
-// Logarithmic strain ln V of F = V R: its axes are those of b = F F^T, in fixed axes.
-Matrix logarithmic_strain(const Matrix& deformation) {
-    const Eigen::SelfAdjointEigenSolver<Matrix> left(Matrix(deformation * deformation.transpose()));
-    return left.eigenvectors() * (0.5 * left.eigenvalues().array().log()).matrix().asDiagonal() * left.eigenvectors().transpose();
-}
-
-// Equivalent strain in two dimensions, sqrt(e:e / 2), e the deviator of the logarithmic strain (docs: departure from
-// Eq. 48b, whose 2/7 is a misprint).
-double equivalent_strain(const Matrix& strain) {
-    const Matrix deviator = strain - 0.5 * strain.trace() * Matrix::Identity();
-    return std::sqrt(0.5 * deviator.squaredNorm());
-}
 
 struct Means {
     double volume = 0.0;
@@ -101,7 +89,7 @@ std::vector<FieldColumn> field_columns(const Simulation& simulation) {
     out.push_back(column(points, "velocity", "m/s", 3, [&](std::size_t p, Data& d) { d.insert(d.end(), {points.velocity[p].x(), points.velocity[p].y(), 0.0}); }));
     out.push_back(column(points, "stress", "Pa, xx yy xy, tension positive", 3, [&](std::size_t p, Data& d) { const Stress& s = points.stress[p]; d.insert(d.end(), {s[0], s[1], s[2]}); }));
     out.push_back(column(points, "strain", "-, logarithmic, xx yy xy, tension positive", 3, [&](std::size_t p, Data& d) { const Matrix e = logarithmic_strain(points.deformation[p]); d.insert(d.end(), {e(0, 0), e(1, 1), e(0, 1)}); }));
-    out.push_back(column(points, "equivalent_strain", "-", 1, [&](std::size_t p, Data& d) { d.push_back(equivalent_strain(logarithmic_strain(points.deformation[p]))); }));
+    out.push_back(column(points, "equivalent_strain", "-", 1, [&](std::size_t p, Data& d) { d.push_back(equivalent_strain(points.deformation[p])); }));
     out.push_back(column(points, "volume", "m3", 1, [&](std::size_t p, Data& d) { d.push_back(points.volume[p]); }));
     out.push_back(column(points, "density", "kg/m3", 1, [&](std::size_t p, Data& d) { d.push_back(points.density(p)); }));
     out.push_back(column(points, "body", "-", 1, [&](std::size_t p, Data& d) { d.push_back(points.body[p]); }));
