@@ -93,7 +93,7 @@ void Farm::advance(std::span<const std::uint32_t> ids, std::span<const double> i
                 const MacroStep step{g[0], g[1], g[2], g[3], time_increment, asked,
                                      bond_strength(physics.bond, ice_saturation, row)};
                 answers[row] = step_one(assemblies_[ids[row]], physics, step, options_);
-                rves_done_.fetch_add(1, std::memory_order_relaxed);
+                rves_done_->fetch_add(1, std::memory_order_relaxed);
                 if (options_.on_rve_done) options_.on_rve_done();
             }
         },

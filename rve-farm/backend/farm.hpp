@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -63,14 +64,14 @@ public:
     std::size_t load(int id, std::span<const std::byte> bytes);
 
     // RVEs finished since the farm was made; readable from any thread.
-    std::uint64_t rves_done() const { return rves_done_.load(std::memory_order_relaxed); }
+    std::uint64_t rves_done() const { return rves_done_->load(std::memory_order_relaxed); }
 
 private:
     RveParameters parameters_;
     FarmOptions options_;
     AnyPhysics physics_;
     std::vector<Assembly> assemblies_;
-    std::atomic<std::uint64_t> rves_done_{0};
+    std::unique_ptr<std::atomic<std::uint64_t>> rves_done_ = std::make_unique<std::atomic<std::uint64_t>>(0); // movable
 };
 
 } // namespace talik::farm
