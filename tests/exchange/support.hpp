@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
 #include <fmt/format.h>
 #include <functional>
@@ -147,7 +148,9 @@ inline void fill(Batch& request, int count, double seed) {
 // A process that runs `body` and ends; killed and reaped at the latest when this object goes.
 class Child {
 public:
-    explicit Child(const std::function<void()>& body) : pid_(fork()) {
+    explicit Child(const std::function<void()>& body) {
+        std::fflush(nullptr); // else what is buffered would be printed by both
+        pid_ = fork();
         if (pid_ != 0) return;
         int code = 0;
         try {
@@ -173,7 +176,7 @@ public:
     }
 
 private:
-    pid_t pid_;
+    pid_t pid_ = -1;
     bool reaped_ = false;
 };
 
