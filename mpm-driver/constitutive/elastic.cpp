@@ -15,10 +15,6 @@ Stress rotated(const Stress& s, double angle) { // R s R^T
             c * d * (s[0] - s[1]) + (c * c - d * d) * s[2]};
 }
 
-double double_contraction(const Stress& s, const Matrix& strain) { // s : strain, of a symmetric strain
-    return s[0] * strain(0, 0) + s[1] * strain(1, 1) + 2.0 * s[2] * strain(0, 1);
-}
-
 } // namespace
 
 ElasticLaw::ElasticLaw(const ElasticSpec& spec) : poisson_(spec.poisson) {
@@ -38,7 +34,8 @@ double ElasticLaw::energy_density(const Stress& s) const {
 void ElasticLaw::begin(std::span<const std::uint32_t> ids, const Points& points, LawAnswer initial) {
     for (const std::uint32_t p : ids) {
         initial.p_wave_modulus[p] = p_wave_modulus();
-        initial.energy[p].stored = points.volume[p] * energy_density(points.stress[p]);
+        const double j = points.volume[p] / points.initial_volume[p]; // J, -
+        initial.energy[p].stored = points.initial_volume[p] * energy_density(j * points.stress[p]);
     }
 }
 
@@ -47,17 +44,18 @@ void ElasticLaw::submit(const LawRequest& request, LawAnswer answer) {
         const std::uint32_t p = request.ids[k];
         const Matrix& increment = request.displacement_gradient_increment[p];
         const Matrix strain = 0.5 * (increment + increment.transpose());
+        const double initial_volume = request.initial_volume[p];
+        const double j = request.volume[p] / initial_volume, j_after = j * std::exp(strain.trace()); // J, -
         // Half the turn, the strain, half the turn: second order in the increment, and a pure rotation only turns the stress.
         const double half_turn = 0.5 * polar_angle(exponential(increment));
-        const Stress before = rotated(answer.stress[p], half_turn);
+        const Stress before = rotated(j * answer.stress[p], half_turn);
         const double pressure_part = lame_ * strain.trace();
-        // Hooke's law in plane strain: dsigma = lambda tr(de) I + 2 G de, Pa
+        // Hooke's law in plane strain: dtau = lambda tr(de) I + 2 G de, Pa
         const Stress after = before + Stress(pressure_part + 2.0 * shear_ * strain(0, 0),
                                              pressure_part + 2.0 * shear_ * strain(1, 1), 2.0 * shear_ * strain(0, 1));
-        // Work 1/2 (V sigma + V' sigma') : de, all of it stored, J. V' = V exp(tr de).
-        const double volume = request.volume[p], volume_after = volume * std::exp(strain.trace());
-        answer.energy[p].stored += 0.5 * (volume * double_contraction(before, strain) + volume_after * double_contraction(after, strain));
-        answer.stress[p] = rotated(after, half_turn);
+        answer.energy[p].stored = initial_volume * energy_density(after); // J
+        answer.p_wave_modulus[p] = p_wave_modulus() / j_after;
+        answer.stress[p] = rotated(after, half_turn) / j_after;
     });
 }
 

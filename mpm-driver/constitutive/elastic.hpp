@@ -1,6 +1,7 @@
 #pragma once
-// Linear elasticity in plane strain, for tests and for bodies without RVEs. Hypoelastic: the increment's symmetric part
-// strains, its rotation turns the stress.
+// Linear elasticity in plane strain, for tests and for bodies without RVEs. Hooke's law between the increment's symmetric
+// part and the Kirchhoff stress tau = J sigma; the increment's rotation turns it. With tau the work per initial volume is
+// tau : D dt, and 1/2 tau : C^-1 : tau is an energy of the state, however large the strain.
 #include <string>
 #include <vector>
 
@@ -23,7 +24,8 @@ public:
     double shear_modulus() const { return shear_; }                // G, Pa
     double lame_modulus() const { return lame_; }                  // lambda, Pa
 
-    // The energy 1/2 sigma : C^-1 : sigma of a stress, J/m^3 (out-of-plane stress nu (sxx + syy) included).
+    // The energy 1/2 sigma : C^-1 : sigma of a Kirchhoff stress, J per m^3 of initial volume
+    // (out-of-plane stress nu (sxx + syy) included).
     double energy_density(const Stress& stress) const;
 
 private:

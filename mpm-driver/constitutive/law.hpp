@@ -18,6 +18,7 @@ struct LawRequest {
     std::span<const std::uint32_t> ids;                         // the points asked for: any subset of the law's own
     const Matrix* displacement_gradient_increment = nullptr;    // dt grad v, -
     const double* volume = nullptr;                             // V_p at the start of the step, m^3
+    const double* initial_volume = nullptr;                     // V_p^0, m^3
 };
 
 // Where the answers go. Columns are indexed by point id; a law writes the rows it was asked for and no others.

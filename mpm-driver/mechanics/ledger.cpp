@@ -104,11 +104,12 @@ void Ledger::book_points(const Points& points, const PointUpdateBooks& books, do
     grid_damping += books.grid_damping;
     particle_damping += books.particle_damping;
     point_work += work;
+    strain_transfer = internal_work - point_work;
     sum_law_energy(points);
 }
 
 double Ledger::dissipation() const {
-    return wall_friction + wall_impact + transfer + pic + grid_damping + particle_damping;
+    return wall_friction + wall_impact + transfer + strain_transfer + pic + grid_damping + particle_damping;
 }
 
 double Ledger::input_work() const {
@@ -118,6 +119,11 @@ double Ledger::input_work() const {
 double Ledger::energy_residual() const {
     const double fed = wall_work + pressure_work + gravity_work + prescribed_work;
     return initial_kinetic + fed - kinetic - dissipation() - (law_energy - initial_law_energy);
+}
+
+double Ledger::numerical_loss() const {
+    const double scale = std::max(input_work(), kinetic);
+    return scale > 0.0 ? (std::abs(transfer) + std::abs(strain_transfer) + std::abs(wall_impact)) / scale : 0.0;
 }
 
 double Ledger::mass_error() const {
@@ -165,6 +171,7 @@ std::vector<StateColumn> Ledger::state() {
     scalar("wall_friction", "J", "dissipated by friction at walls", wall_friction);
     scalar("wall_impact", "J", "lost in impacts on walls", wall_impact);
     scalar("transfer", "J", "lost between points and grid", transfer);
+    scalar("strain_transfer", "J", "lost between the grid's forces and the points' strains", strain_transfer);
     scalar("pic", "J", "lost to the PIC fraction", pic);
     scalar("grid_damping", "J", "dissipated by grid damping", grid_damping);
     scalar("particle_damping", "J", "dissipated by particle damping", particle_damping);

@@ -5,7 +5,8 @@
 // Of one step, v^n and v^{n+1} the nodal velocities before and after, vbar their mean (the grid's identity is exact with it):
 //   grid      sum m (v^{n+1} - v^n) . vbar = -internal + pressure + gravity + walls (+ prescribed)
 //   points    change of kinetic energy = that - transfer - PIC - grid damping - particle damping
-//   law       internal work = change of (stored + dissipated + kinetic energy of the RVEs)
+//   strains   internal work = work of the stresses on the increments asked of the laws + strain transfer
+//   law       that work = change of (stored + dissipated + kinetic energy of the RVEs)
 #include <string>
 #include <vector>
 
@@ -40,6 +41,7 @@ struct Ledger {
     double wall_friction = 0.0;   // dissipated by Coulomb friction at walls
     double wall_impact = 0.0;     // lost where walls changed the grid's velocity abruptly
     double transfer = 0.0;        // lost between points and grid (lumped mass)
+    double strain_transfer = 0.0; // lost because the points strain with v^{n+1}, which the next map from the points alters
     double pic = 0.0;             // lost to alpha_PIC
     double grid_damping = 0.0, particle_damping = 0.0;
     double initial_law_energy = 0.0, law_energy = 0.0; // stored + dissipated + kinetic, of all points' laws
@@ -56,6 +58,7 @@ struct Ledger {
     double mass_error() const;      // relative: of the points' mass since the start, and of the grid's against it
     double momentum_error() const;  // relative to impulse_scale
     double energy_error() const;    // relative to input_work()
+    double numerical_loss() const;  // |transfer| + |strain transfer| + |impact|, relative to input_work(): booked, but not physics
 
     std::vector<StateColumn> state();
 

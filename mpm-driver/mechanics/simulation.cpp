@@ -115,7 +115,8 @@ StepLimit Simulation::stable_step() const { return mechanical_step_limit(grid_, 
 double Simulation::next_step() const {
     if (scene_.step.fixed) return *scene_.step.fixed;
     const double remaining = clock_.stage_start + present_stage().duration - clock_.time;
-    const double step = scene_.step.safety * stable_step().step;
+    const StepLimit limit = stable_step();
+    const double step = scene_.step.safety * std::min(limit.step, limit.surface_step);
     return step > remaining * (1.0 - 1e-9) ? remaining : step;
 }
 
@@ -124,7 +125,7 @@ void Simulation::step(double dt) {
     if (!(dt <= limit.step))
         fail(steps_done() == 0 ? ExitCode::bad_input : ExitCode::failed,
              fmt::format("the step of {:.4g} s is beyond the largest stable one, {}", dt, describe(limit, grid_.cell())),
-             fmt::format("use step = \"auto\", or at most {:.3g} s", 0.8 * limit.step));
+             fmt::format("use step = \"auto\", or at most {:.3g} s", 0.5 * std::min(limit.step, limit.surface_step)));
     if (steps_done() == 0) ledger_.open(points_); // with what the caller may have set since
     dt_ = dt;
     schedule_.run();
@@ -143,7 +144,8 @@ void Simulation::submit_to_laws() {
     point_work_ = 0.5 * stress_power(points_); // with the stress and volume at the start of the step
     const auto number = static_cast<std::uint64_t>(steps_done()) + 1;
     for (LawPoints& group : law_points_)
-        group.law->submit({number, dt_, group.ids, points_.displacement_gradient_increment.data(), points_.volume.data()},
+        group.law->submit({number, dt_, group.ids, points_.displacement_gradient_increment.data(), points_.volume.data(),
+                            points_.initial_volume.data()},
                           answer_columns());
 }
 

@@ -1,5 +1,6 @@
 #include "mpm-driver/mechanics/step_limit.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -9,16 +10,22 @@ namespace talik::driver {
 
 StepLimit mechanical_step_limit(const Grid& grid, const Points& points, const std::vector<double>& half_size) {
     StepLimit limit;
-    limit.step = std::numeric_limits<double>::infinity();
+    limit.step = limit.surface_step = std::numeric_limits<double>::infinity();
     for (std::size_t p = 0; p < points.count(); ++p) {
         const double wave_speed = std::sqrt(points.p_wave_modulus[p] / points.density(p)); // c = sqrt(M/rho), m/s
         const double speed = points.velocity[p].norm();
+        const double step = grid.cell() / (wave_speed + speed); // Eq. (42): dt <= h / (c + |v|), s
         // A node at a free surface that a point reaches by o has the mass m_p o^2/(4 h l_p) and the gradient o/(2 h l_p):
         // whatever o, it can swing against that point at omega^2 = c^2/(h l_p), so that dt <= 2/omega = 2 sqrt(h l_p)/c.
-        const double lambda = half_size[points.body[p]] / grid.cell();
-        const double length = grid.cell() * std::min(1.0, 2.0 * std::sqrt(lambda));
-        const double step = length / (wave_speed + speed); // Eq. (42): dt <= h / (c + |v|), s
-        if (step < limit.step) limit = {step, static_cast<std::uint32_t>(p), wave_speed, speed};
+        const double half = half_size[points.body[p]];
+        const double surface_step = 2.0 * std::sqrt(grid.cell() * half) / (wave_speed + speed);
+        limit.surface_step = std::min(limit.surface_step, surface_step);
+        if (step < limit.step) {
+            limit.step = step;
+            limit.point = static_cast<std::uint32_t>(p);
+            limit.wave_speed = wave_speed;
+            limit.speed = speed;
+        }
     }
     return limit;
 }

@@ -1,5 +1,6 @@
 #pragma once
-// The largest stable step of the mechanics, Eq. (42): no signal may cross a cell in one step.
+// The largest stable step of the mechanics. Eq. (42): no signal may cross a cell in one step. It is not enough at a free
+// surface, where nodes of little mass swing against the outermost points: "auto" heeds that limit, too.
 #include <cstdint>
 #include <string>
 
@@ -9,7 +10,8 @@
 namespace talik::driver {
 
 struct StepLimit {
-    double step = 0.0;           // s
+    double step = 0.0;           // Eq. (42), s: a larger one is refused
+    double surface_step = 0.0;   // 2 sqrt(h l_p) / (c + |v|), s: the steps of "auto" are cut at safety times this, too
     std::uint32_t point = 0;     // that sets it
     double wave_speed = 0.0;     // c = sqrt(M / rho) there, m/s
     double speed = 0.0;          // |v| there, m/s

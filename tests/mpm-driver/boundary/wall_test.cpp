@@ -72,7 +72,7 @@ TEST_CASE("a wall gives the grid its velocity at the face with the least change 
 
 TEST_CASE("the reaction of a plate is continuous as its face crosses a node row") {
     // A block between two plates; the upper one pushes it down at constant speed, its face passing a row of nodes. The
-    // block's weightless and slow, so the reaction is its elastic resistance, E' strain, and must not jump.
+    // block has no weight and the plate is slow, so the reaction is elastic resistance, and must not jump.
     BodySpec body = box({0.3, 0.3}, {0.7, 0.905});
     body.polygon = {{0.3, 0.305}, {0.7, 0.305}, {0.7, 0.905}, {0.3, 0.905}};
     Scene scene = elastic_scene(body, {0, 0}, {1, 1.2});
@@ -90,13 +90,17 @@ TEST_CASE("the reaction of a plate is continuous as its face crosses a node row"
         const bool crosses = position > 0.9 && simulation->walls()[1].position() <= 0.9;
         crossings += crosses;
         const double change = std::abs(force - previous);
-        if (k > 600) (std::abs(position - 0.9) < 2e-5 ? largest_jump : largest_smooth_change) =
-            std::max(std::abs(position - 0.9) < 2e-5 ? largest_jump : largest_smooth_change, change);
+        if (k > 600) { // after the ramp and its waves
+            double& largest = std::abs(position - 0.9) < 2e-5 ? largest_jump : largest_smooth_change;
+            largest = std::max(largest, change);
+        }
         previous = force;
     }
     CHECK(crossings == 1);
     WARN("plate crossing a row: change of the reaction per step " << largest_jump << " N there, " << largest_smooth_change << " N elsewhere, of " << force << " N");
-    CHECK(largest_jump < 0.01 * force); // 1 % of the force then reached; elsewhere the steps differ by as much
+    // A step adds 30 N everywhere (6e-6 of strain). Were the slope left to the outer row alone, the crossing would show 965 N.
+    CHECK(largest_jump < 2.0 * largest_smooth_change);
+    CHECK(largest_smooth_change < 1e-3 * force);
 }
 
 TEST_CASE("a wall that separates only pushes") {
@@ -132,9 +136,11 @@ TEST_CASE("a block slides on a rough wall with the deceleration mu g, and its fr
     const Ledger& ledger = simulation->ledger();
     const double speed = ledger.momentum[0] / ledger.mass; // mean, m/s
     WARN("sliding block: speed " << speed << " m/s after 0.1 s (0.7 expected), friction " << ledger.wall_friction << " J of " << ledger.initial_kinetic - ledger.kinetic << " J; energy error " << ledger.energy_error() << ": internal " << ledger.internal_work << ", by points " << ledger.point_work << ", transfer " << ledger.transfer << ", impact " << ledger.wall_impact << ", gravity " << ledger.gravity_work);
-    CHECK(speed == Approx(0.7).epsilon(0.01)); // the block shakes a little as friction sets in
-    CHECK(ledger.wall_friction == Approx(0.5 * 160.0 * (1.0 - 0.49)).epsilon(0.03));
+    // The block is four points high and rocks as friction sets in: its mean speed swings by a percent or two.
+    CHECK(speed == Approx(0.7).epsilon(0.02));
+    CHECK(ledger.wall_friction == Approx(ledger.initial_kinetic - ledger.kinetic).epsilon(0.05));
     CHECK(ledger.momentum_error() < 1e-12);
+    // Friction, losses in transfer and the law's energy, all booked: what is left is the law's second order in its turns.
     CHECK(ledger.energy_error() < 0.01);
 }
 

@@ -55,10 +55,12 @@ TEST_CASE("a free spinning body strains by no more than the centrifugal stress a
     const double rate = 0.5; // rad/s: centrifugal stress rho w^2 r^2 of 80 Pa
     Points& points = simulation->points();
     for (std::size_t p = 0; p < points.count(); ++p) points.velocity[p] = rate * Vector(-points.position[p][1], points.position[p][0]);
-    const double kinetic = simulation->ledger().kinetic;
     take_steps(*simulation, 5000); // half a radian
-    double largest = largest_stress(*simulation);
+    const double largest = largest_stress(*simulation);
+    const Ledger& ledger = simulation->ledger();
     WARN("free spin of 0.5 rad: spurious stress " << largest << " Pa = " << largest / young << " E; kinetic energy left "
-                                                  << simulation->ledger().kinetic << " of " << 0.5 * rate * rate * 0.64 * 2000 * 0.32 / 3 << " J (" << kinetic << ")");
-    CHECK(largest < 1e-3 * young);
+                                                  << ledger.kinetic / ledger.initial_kinetic << " of the first");
+    CHECK(largest < 2e-3 * young); // observed 8e-4: strains of the corner points' lumped nodes, of the size of (turn per cell)^2
+    CHECK(ledger.energy_error() < 1e-6);
+    CHECK(ledger.kinetic > 0.9 * ledger.initial_kinetic);
 }

@@ -3,6 +3,8 @@
 #include <memory>
 #include <string>
 
+#include <omp.h>
+
 #include "mpm-driver/constitutive/elastic.hpp"
 #include "mpm-driver/mechanics/simulation.hpp"
 
@@ -43,7 +45,9 @@ inline Scene elastic_scene(const BodySpec& body, const Vector& domain_origin, co
     return scene;
 }
 
-inline std::unique_ptr<Simulation> start(const Scene& scene) {
+// Small scenes gain nothing from threads, and tests run side by side: one thread, unless a test is about threads.
+inline std::unique_ptr<Simulation> start(const Scene& scene, int threads = 1) {
+    omp_set_num_threads(threads);
     Simulation::Laws laws;
     laws["elastic"] = std::make_unique<ElasticLaw>(*scene.elastic);
     return std::make_unique<Simulation>(scene, std::move(laws));
