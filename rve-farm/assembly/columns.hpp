@@ -18,6 +18,7 @@ struct AssemblyNumbers {
     std::int64_t disc_count = 0, contact_count = 0, contact_capacity = 0;
     double cell_xx = 0, cell_xy = 0, cell_yx = 0, cell_yy = 0; // H' in co-rotated axes, columns are basis vectors, m
     double frame_angle = 0;      // theta, rad: fixed axes = R(theta) co-rotated axes
+    double lost_xx = 0, lost_xy = 0, lost_yx = 0, lost_yy = 0, lost_angle = 0; // what rounding has kept from the five above
     double thickness = 0;        // m
     double disc_area = 0;        // sum pi r^2, m^2
     double largest_radius = 0, smallest_radius = 0, mean_radius = 0; // m

@@ -51,6 +51,7 @@ void reduce_and_remap(AssemblyView& s) {
     AssemblyNumbers& n = *s.numbers;
     const BasisChange change = reduce_basis(n.cell_xx, n.cell_xy, n.cell_yx, n.cell_yy);
     if (change.identity()) return;
+    n.lost_xx = n.lost_xy = n.lost_yx = n.lost_yy = 0; // belongs to the old basis
     for (int c = 0; c < s.contact_count(); ++c) {
         const auto image = change.image(s.image_x[c], s.image_y[c]);
         s.image_x[c] = static_cast<std::int32_t>(image[0]);

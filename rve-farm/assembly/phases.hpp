@@ -68,15 +68,24 @@ TALIK_HOST_DEVICE void move_disc(const AssemblyView& s, const Physics& physics, 
     s.y[i] = y + (d.xy * x + d.yy * y) + s.sub_step * next_y;
 }
 
-// H' <- U' H', theta <- theta + angle of R (Eq. 45); then the stretch as the next sub-step's frame will see it.
+// Kahan's sum: value += change, with the rounding error kept for the next time. A constant small change added to a
+// larger number is rounded the same way every time: 1e5 sub-steps would turn the frame by 1e-11 too little.
+TALIK_HOST_DEVICE inline void add_exactly(double& value, double& lost, double change) {
+    const double corrected = change - lost;
+    const double sum = value + corrected;
+    lost = (sum - value) - corrected;
+    value = sum;
+}
+
+// H' <- U' H', theta <- theta + angle of R (Eq. 45).
 TALIK_HOST_DEVICE inline void move_cell(AssemblyNumbers& n, const Stretch& stretch) {
     const Symmetric d = stretch.change();
     const double xx = n.cell_xx, xy = n.cell_xy, yx = n.cell_yx, yy = n.cell_yy;
-    n.cell_xx = xx + (d.xx * xx + d.xy * yx);
-    n.cell_yx = yx + (d.xy * xx + d.yy * yx);
-    n.cell_xy = xy + (d.xx * xy + d.xy * yy);
-    n.cell_yy = yy + (d.xy * xy + d.yy * yy);
-    n.frame_angle += stretch.rotation;
+    add_exactly(n.cell_xx, n.lost_xx, d.xx * xx + d.xy * yx);
+    add_exactly(n.cell_yx, n.lost_yx, d.xy * xx + d.yy * yx);
+    add_exactly(n.cell_xy, n.lost_xy, d.xx * xy + d.xy * yy);
+    add_exactly(n.cell_yy, n.lost_yy, d.xy * xy + d.yy * yy);
+    add_exactly(n.frame_angle, n.lost_angle, stretch.rotation);
 }
 
 // Eqs. (5)-(7): the force of one candidate contact after the discs have moved; `gained` is I - U^-1 of this sub-step.
