@@ -3,6 +3,7 @@
 
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
+#include "common/base/idle_threads.hpp"
 #include "common/base/program.hpp"
 #include "common/base/version.hpp"
 #include "common/scene/units.hpp"
@@ -26,6 +27,7 @@ int check(const std::string& scene, const std::vector<std::string>& set) {
 } // namespace
 
 int main(int argc, char** argv) {
+    talik::let_idle_threads_sleep(argv);
     CLI::App app("mpm-driver: granular ground by the material point method, with a DEM assembly in every point");
     app.set_version_flag("--version", [] { return build_facts("mpm-driver"); });
     app.footer("Examples:\n"

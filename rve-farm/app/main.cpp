@@ -1,10 +1,12 @@
 #include <CLI/CLI.hpp>
 
+#include "common/base/idle_threads.hpp"
 #include "common/base/program.hpp"
 #include "common/base/version.hpp"
 #include "rve-farm/app/commands.hpp"
 
 int main(int argc, char** argv) {
+    talik::let_idle_threads_sleep(argv);
     CLI::App app("rve-farm: periodic assemblies of discs (RVEs), solved by the discrete element method");
     app.set_version_flag("--version", [] { return talik::build_facts("rve-farm"); });
     app.require_subcommand(1);
