@@ -46,7 +46,7 @@ void throw_if_any(const Faults& faults, const std::string& how_to_list_all) {
 std::string Range::text(std::string_view unit) const {
     const std::string tail = unit.empty() || unit == "-" ? "" : fmt::format(" {}", unit);
     const bool below = std::isfinite(least), above = std::isfinite(most);
-    if (below && above) return fmt::format("in [{:g}, {:g}]{}", least, most, tail);
+    if (below && above) return fmt::format("in {}{:g}, {:g}]{}", above_least ? "(" : "[", least, most, tail);
     if (below) return fmt::format("{} {:g}{}", above_least ? ">" : ">=", least, tail);
     if (above) return fmt::format("<= {:g}{}", most, tail);
     return "";

@@ -24,7 +24,7 @@ struct Range {
     double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
     bool above_least = false; // > instead of >=
     bool holds(double value) const { return (above_least ? value > least : value >= least) && value <= most; }
-    std::string text(std::string_view unit = "") const; // "> 0 m", "in [0, 1]"; empty = any
+    std::string text(std::string_view unit = "") const; // "> 0 m", "in (0, 1]"; empty = any
 };
 inline Range any() { return {}; }
 inline Range positive() { return {.least = 0.0, .above_least = true}; }

@@ -14,9 +14,10 @@ std::string literal_list(const double* values, std::size_t count); // [1, 2]
 template <class S>
 Table<S>& Table<S>::quantity(const std::string& name, Get<double> get, Dimension dimension, Range range, const std::string& meaning, Need need) {
     S standard{};
-    return add({{name, kind_of(dimension), standard_text(get(standard), dimension), range.text(si_unit(dimension)), meaning, need == Need::required},
+    const auto given = [=](double value) { return range.holds(value); }; // a default outside the range means "not given"
+    return add({{name, kind_of(dimension), given(get(standard)) ? standard_text(get(standard), dimension) : "", range.text(si_unit(dimension)), meaning, need == Need::required},
                 [=](const Value& v, const std::string& key, S& out, Faults& faults) { scene::read(v, key, dimension, range, get(out), faults); },
-                [=](const S& content) { return scene::literal(look(get, content)); }, {}, {}});
+                [=](const S& content) { return given(look(get, content)) ? scene::literal(look(get, content)) : std::string(); }, {}, {}});
 }
 
 template <class S>

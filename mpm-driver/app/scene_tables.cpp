@@ -36,7 +36,7 @@ void check_body(const BodySpec& b, const Place& at) {
     const int side = static_cast<int>(std::lround(std::sqrt(b.points_per_cell)));
     if (side * side != b.points_per_cell) at.fault("points_per_cell", fmt::format("{} is no square", b.points_per_cell), "take 1, 4, 9 or 16");
     if (b.law == "elastic" && !b.density) at.fault("density", "is missing", "an elastic body needs its bulk density");
-    if (b.law != "elastic" && at.has("stress")) at.fault("stress", "is given for a body of RVEs", "leave it out: their packings bring their own");
+    if (b.law != "elastic" && !b.stress.isZero(0.0)) at.fault("stress", "is given for a body of RVEs", "leave it out: their packings bring their own");
 }
 
 void check_wall(const WallSpec& w, const Place& at) {

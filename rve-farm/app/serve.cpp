@@ -19,13 +19,14 @@ namespace {
 struct ServeOptions {
     std::string exchange, backend = "auto", precision = "double";
     int threads = 0;
-    double stall_seconds = 120.0;
+    double stall_seconds = 120.0, attach_seconds = 60.0;
     bool quiet = false;
 };
 
 std::unique_ptr<exchange::Channel> join(const ServeOptions& options) {
     exchange::WaitLimits limits;
     limits.stall_seconds = options.stall_seconds;
+    limits.attach_seconds = options.attach_seconds;
     const std::string shm = "shm:";
     require(options.exchange.starts_with(shm) && options.exchange.size() > shm.size(), "--exchange " + options.exchange + ": no such transport",
             "give shm:NAME, with the name that the driver uses");
@@ -39,8 +40,10 @@ void serve(const ServeOptions& options) {
     log::start("rve-farm", options.quiet);
     watch_interrupts();
     const auto channel = join(options);
-    Service service(options.threads);
-    exchange::FarmEnd(*channel, service, "rve-farm " + version()).serve();
+    exchange::with_cause(*channel, [&] {
+        Service service(options.threads);
+        exchange::FarmEnd(*channel, service, "rve-farm " + version()).serve();
+    });
 }
 
 } // namespace
@@ -55,6 +58,7 @@ void add_serve(CLI::App& app) {
     command->add_option("--precision", options->precision, "double (single comes with the fast kernels)")->check(CLI::IsMember({"single", "double"}));
     command->add_option("--threads", options->threads, "0 = all")->check(CLI::NonNegativeNumber);
     command->add_option("--stall-seconds", options->stall_seconds, "how long a silent driver is waited for")->check(CLI::PositiveNumber);
+    command->add_option("--attach-seconds", options->attach_seconds, "how long the exchange is waited for")->check(CLI::PositiveNumber);
     command->add_flag("--quiet", options->quiet, "warnings and errors only");
     command->callback([options] { serve(*options); });
 }

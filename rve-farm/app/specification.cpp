@@ -27,7 +27,7 @@ Table<PackSpec> pack_table() {
 }
 
 void check_test(const ElementTest& test, const Place& at) {
-    if (at.has("constant_height") && test.path != "simple_shear") at.fault("constant_height", "is for simple shear alone", "leave it out");
+    if (!test.constant_height && test.path != "simple_shear") at.fault("constant_height", "is for simple shear alone", "leave it out");
     if (test.step * test.rate > 0.01) at.fault("step", "moves by more than 1 % in one macro step", "take a smaller step or rate");
 }
 

@@ -16,7 +16,7 @@ struct ElementTest {
     double strain = 0.15;            // at the end, logarithmic (simple shear: gamma)
     double pressure = 1e5;           // Pa, compression positive: held laterally in the biaxial test; of `settle`
     bool constant_height = true;     // simple shear: constant height, or constant vertical pressure
-    double step = 1e-3;              // macro step, s
+    double step = 5e-4;              // macro step, s
     int rows = 200;                  // of the curves
     bool forget_shear_forces = false; // before loading: tangential forces to zero
     bool settle = false;             // before loading: all stresses servoed to the pressure, until at rest
