@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "common/base/idle_threads.hpp"
+#include "common/base/error.hpp"
 #include "common/base/program.hpp"
 #include "common/base/version.hpp"
 #include "rve-farm/app/commands.hpp"
@@ -17,7 +18,8 @@ int main(int argc, char** argv) {
         try {
             app.parse(argc, argv);
         } catch (const CLI::ParseError& error) {
-            return app.exit(error) == 0 ? 0 : 2;
+            if (error.get_exit_code() == 0) return app.exit(error); // --help, --version
+            talik::fail(talik::ExitCode::bad_input, error.what(), "see rve-farm --help");
         }
         return 0;
     });

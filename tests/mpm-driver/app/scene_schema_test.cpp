@@ -162,7 +162,7 @@ TEST_CASE("the hash of a scene sees its content, not its comments, order, units 
 }
 
 TEST_CASE("docs/scene.md is what the table of keys says", "[docs]") {
-    // Mend with: mpm-driver --help-scene=markdown > docs/scene.md
+    // Mend with: mpm-driver --help-scene-markdown > docs/scene.md
     const bool page_is_the_table = read_text_file(TALIK_SOURCE_DIR "/docs/scene.md") == scene_markdown();
     CHECK(page_is_the_table);
 }
