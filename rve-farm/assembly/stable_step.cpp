@@ -27,20 +27,44 @@ Normal normal_of(const AssemblyView& s, int c) {
 
 bool carries_force(const AssemblyView& s, int c) { return s.force_x[c] != 0 || s.force_y[c] != 0; }
 
-// The larger row sum of |M^-1 K| over the discs. Each contact adds to the rows of both its discs alike: `row(c)` gives
-// the sums of its entries in the rows u_x, u_y and r phi, own and other disc together, N/m.
+// Rows and columns may be scaled against one another without moving an eigenvalue: the rotations, whose row sums are the
+// largest (their mass is half), are scaled so that both kinds of rows come to about the same sum. That is less where the
+// coupling of a disc's own displacement and rotation is not allowed to cancel.
+constexpr double rotation_scale_of_contacts = 4, rotation_scale_of_list = 2;
+
+// What a contact adds to the rows of each of its discs, N/m: diagonal and neighbour's block together, but for the
+// coupling of a disc's own displacement and rotation, k_t t with the sign of the end: it largely cancels over the contacts
+// around a disc, and is summed with its sign.
+struct GershgorinRow {
+    double translation_x = 0, translation_y = 0, rotation = 0; // absolute sums
+    double own_x = 0, own_y = 0;                               // signed sums
+};
+
+// The largest row sum of |M^-1 K|, 1/s^2. `row(c)` gives the row of the contact's first disc; the second's differs by the
+// sign of the coupling.
 template <class Row>
-double gershgorin(const AssemblyView& s, Row&& row) {
-    std::vector<std::array<double, 3>> sums(static_cast<std::size_t>(s.disc_count()), {0, 0, 0});
+double gershgorin(const AssemblyView& s, double rotation_scale, Row&& row) {
+    std::vector<GershgorinRow> sums(static_cast<std::size_t>(s.disc_count()));
     for (int c = 0; c < s.contact_count(); ++c) {
-        const std::array<double, 3> entries = row(c);
-        for (int disc : {s.first[c], s.second[c]})
-            for (std::size_t k = 0; k < 3; ++k) sums[static_cast<std::size_t>(disc)][k] += entries[k];
+        const GershgorinRow entry = row(c);
+        double sign = 1;
+        for (int disc : {s.first[c], s.second[c]}) {
+            GershgorinRow& sum = sums[static_cast<std::size_t>(disc)];
+            sum.translation_x += entry.translation_x;
+            sum.translation_y += entry.translation_y;
+            sum.rotation += entry.rotation;
+            sum.own_x += sign * entry.own_x;
+            sum.own_y += sign * entry.own_y;
+            sign = -1;
+        }
     }
     double largest = 0;
     for (int i = 0; i < s.disc_count(); ++i) {
-        const auto& sum = sums[static_cast<std::size_t>(i)];
-        largest = std::max({largest, sum[0] / s.mass[i], sum[1] / s.mass[i], sum[2] / (rotational_share * s.mass[i])});
+        const GershgorinRow& sum = sums[static_cast<std::size_t>(i)];
+        const double own_x = std::abs(sum.own_x), own_y = std::abs(sum.own_y);
+        const double translation = std::max(sum.translation_x + rotation_scale * own_x, sum.translation_y + rotation_scale * own_y);
+        const double rotation = sum.rotation + (own_x + own_y) / rotation_scale;
+        largest = std::max({largest, translation / s.mass[i], rotation / (rotational_share * s.mass[i])});
     }
     return largest;
 }
@@ -72,21 +96,24 @@ void apply(const AssemblyView& s, const ContactLaw<double>& law, const Column& s
 
 double omega_squared_bound_of_list(const AssemblyView& s, const ContactLaw<double>& law) {
     const double kn = law.normal_stiffness, kt = law.tangential_stiffness;
-    // Largest row sum of kn n n^T + kt t t^T over the directions: mean plus half difference times sqrt(2).
-    const double translation = (kn + kt) / 2 + std::abs(kn - kt) / std::sqrt(2.0);
-    return gershgorin(s, [&](int) -> std::array<double, 3> {
-        return {2 * (translation + kt), 2 * (translation + kt), 2 * (std::sqrt(2.0) * kt + kt)};
-    });
+    // In the worst direction: kn n n^T + kt t t^T has row sums of at most the mean plus half the difference times sqrt(2),
+    // and nothing cancels.
+    const double block = (kn + kt) / 2 + std::abs(kn - kt) / std::sqrt(2.0);
+    const double rotation_scale = rotation_scale_of_list;
+    const double translation = 2 * (block + kt * rotation_scale), rotation = 2 * (kt + std::sqrt(2.0) * kt / rotation_scale);
+    return gershgorin(s, rotation_scale, [&](int) { return GershgorinRow{translation, translation, rotation, 0, 0}; });
 }
 
 double omega_squared_bound_of_contacts(const AssemblyView& s, const ContactLaw<double>& law) {
     const double kn = law.normal_stiffness, kt = law.tangential_stiffness;
-    return gershgorin(s, [&](int c) -> std::array<double, 3> {
-        if (!carries_force(s, c)) return {0, 0, 0};
+    const double rotation_scale = rotation_scale_of_contacts;
+    return gershgorin(s, rotation_scale, [&](int c) {
+        if (!carries_force(s, c)) return GershgorinRow{};
         const Normal n = normal_of(s, c);
         const double x = std::abs(n.x), y = std::abs(n.y), coupling = std::abs(kn - kt) * x * y;
-        return {2 * (kn * x * x + kt * y * y + coupling + kt * y), 2 * (kn * y * y + kt * x * x + coupling + kt * x),
-                2 * kt * (x + y + 1)};
+        return GershgorinRow{2 * (kn * x * x + kt * y * y + coupling) + kt * y * rotation_scale, // t = (-n_y, n_x)
+                             2 * (kn * y * y + kt * x * x + coupling) + kt * x * rotation_scale,
+                             2 * kt + kt * (x + y) / rotation_scale, -kt * n.y, kt * n.x};
     });
 }
 

@@ -84,9 +84,10 @@ void Farm::advance(std::span<const std::uint32_t> ids, std::span<const double> i
     for (std::uint32_t id : ids) require(id < assemblies_.size(), "a step asks for an RVE that the farm does not have", "check the ids");
     const int asked = sub_steps(parameters_, time_increment, substeps);
     const int count = static_cast<int>(ids.size());
+    const int threads = std::max(1, std::min(options_.threads, count)); // a thread without an RVE would only be waited for
     std::visit(
         [&](const auto& physics) {
-#pragma omp parallel for schedule(dynamic, 1) num_threads(options_.threads)
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
             for (int k = 0; k < count; ++k) {
                 const auto row = static_cast<std::size_t>(k);
                 const double* g = increments.data() + 4 * row;

@@ -1,6 +1,7 @@
 #pragma once
 // An RVE written from the equations alone, with simplicity and clarity in mind: fixed axes, every pair and every image in
 // every sub-step, history in a map, matrices from Eigen. It shares no code with the farm; both obey physics.md.
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>

@@ -1,5 +1,6 @@
 #pragma once
 // Small assemblies for tests, and one-line ways to drive them.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>

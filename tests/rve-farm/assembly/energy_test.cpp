@@ -1,4 +1,5 @@
 // The energy of leapfrog, and the ledger of an RVE.
+#include <algorithm>
 #include <cmath>
 
 #include "tests/support/catch.hpp"
@@ -111,4 +112,29 @@ TEST_CASE("the ledger of an RVE closes: work = stored + kinetic + friction + dam
             for (double damping : {0.0, 0.2}) CHECK(error(bonds, fluctuation, damping, 8) < 1e-4);
     error(true, true, 0.2, 1);
     error(false, false, 0.2, 1);
+}
+
+TEST_CASE("a gas of discs without contacts is heated by compression as its kinetic stress says", "[energy][eq49]") {
+    RveParameters parameters;
+    parameters.fluctuation_stress = true;
+    parameters.damping = 0;
+    Packing packing = samples::lattice(4, -3.0); // far apart
+    packing.velocity_x = {0.1, -0.1, 0.1, -0.1};
+    packing.velocity_y = {0, 0, 0, 0};
+    packing.spin = {0, 0, 0, 0};
+    Farm farm(parameters, {packing}, {0});
+    const Answer start = farm.measure(0);
+    Answer answer;
+    double pressure_work = 0, before = start.stress[0];
+    for (int k = 0; k < 100; ++k) {
+        answer = samples::step(farm, {-1e-3, 0, 0, 0}, 1e-4, 100); // along x by 10 %
+        // V sigma : D dt of the macro step, from the answers alone; V = area times thickness.
+        pressure_work += -1e-3 * (before * answer.cell_area * std::exp(1e-3) + answer.stress[0] * answer.cell_area) / 2 * 0.1;
+        before = answer.stress[0];
+    }
+    REQUIRE(answer.contacts == 0);
+    // dv/dt = -D v: v_x grows as exp(0.1), its energy as exp(0.2), to first order in the strain of a sub-step (1e-5).
+    CHECK(answer.kinetic_energy / start.kinetic_energy == Approx(std::exp(0.2)).epsilon(1e-5));
+    CHECK(std::abs(samples::ledger_error(start, answer)) < 1e-12 * answer.work);
+    CHECK(answer.work == Approx(pressure_work).epsilon(1e-4)); // the trapezoid over a macro step
 }

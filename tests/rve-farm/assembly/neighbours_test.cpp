@@ -7,7 +7,7 @@ using namespace talik;
 using namespace talik::farm;
 
 TEST_CASE("linked cells find the same candidates in the same order as all pairs of all images", "[neighbours]") {
-    for (int discs : {127, 400, 401}) {
+    for (int discs : {127, 401}) {
         Farm farm(RveParameters{}, {samples::disordered(discs)}, {0, 0});
         for (int k = 0; k < 40; ++k) // also in a skewed cell
             for (int id : {0, 1}) samples::step(farm, {0, 8e-3, 0, 0}, 8e-3, 80, 1, id);

@@ -1,4 +1,5 @@
 // Against YADE 2023.02a, an independent code: see tests/reference/yade/README.md for what its files hold.
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -128,42 +129,52 @@ TEST_CASE("the critical step of the reference packing is that of its contact net
     CHECK(farm.largest_stable_step(0) == Approx(4.2e-5).epsilon(0.01)); // physics: 2/omega_max; 2 sqrt(m/k) says 1.4e-4
     const double bound = stable_step(omega_squared_bound_of_contacts(farm.assembly(0).view(), {1e6, 1e6, 0.5}));
     CHECK(bound < 4.2e-5);
-    CHECK(bound > 2.5e-5);
+    CHECK(bound == Approx(3.1e-5).epsilon(0.1)); // a bound depends on how rows are scaled: of that size
 }
 
 TEST_CASE("small-strain moduli are YADE's within 2 %", "[yade]") {
-    const auto moduli = [](const std::string& name, int component, double strain) {
-        Farm farm(RveParameters{}, {packing(name)}, {0});
-        // The saved states still move a little: at rest first, so that the probe measures the probe.
-        Answer start;
-        for (int k = 0; k < 100; ++k) start = samples::step(farm, {0, 0, 0, 0}, 1e-3);
-        std::array<double, 4> increment = {0, 0, 0, 0}; // the probe, in fifty macro steps of a millisecond
-        for (std::size_t k : component == 0   ? std::vector<std::size_t>{0}
-                             : component == 1 ? std::vector<std::size_t>{3}
-                                              : std::vector<std::size_t>{1, 2})
-            increment[k] = strain / 50 / (component == 2 ? 2 : 1); // gamma_xy = 2 eps_xy
-        for (int k = 0; k < 50; ++k) samples::step(farm, increment, 1e-3);
-        Answer end;
-        for (int k = 0; k < 100; ++k) end = samples::step(farm, {0, 0, 0, 0}, 1e-3); // and let it come to rest
-        return std::array<double, 3>{(end.stress[0] - start.stress[0]) / strain / 1e6,
-                                     (end.stress[1] - start.stress[1]) / strain / 1e6,
-                                     (end.stress[2] - start.stress[2]) / strain / 1e6}; // MPa
+    struct Probed {
+        Farm farm;
+        std::vector<std::byte> at_rest;
+        // The saved states still move a little, and a rattler's knock weighs as much as the probe: at rest first.
+        explicit Probed(const std::string& name) : farm(RveParameters{}, {packing(name)}, {0}) {
+            farm.reset_velocities(0);
+            for (int k = 0; k < 100; ++k) samples::step(farm, {0, 0, 0, 0}, 1e-3);
+            farm.save(0, at_rest);
+        }
+        // Change of stress per strain, MPa: slowly strained for 0.1 s, then left until at rest.
+        std::array<double, 3> moduli(std::array<double, 4> direction, double strain) {
+            farm.load(0, at_rest);
+            const Answer start = farm.measure(0);
+            for (double& component : direction) component *= strain / 100;
+            for (int k = 0; k < 100; ++k) samples::step(farm, direction, 1e-3);
+            Answer end;
+            for (int k = 0; k < 50; ++k) end = samples::step(farm, {0, 0, 0, 0}, 1e-3);
+            std::array<double, 3> result;
+            for (std::size_t k = 0; k < 3; ++k) result[k] = (end.stress[k] - start.stress[k]) / strain / 1e6;
+            return result;
+        }
     };
+    const std::array<double, 4> along_x = {1, 0, 0, 0}, along_y = {0, 0, 0, 1}, shear = {0, 0.5, 0.5, 0}; // gamma = 1
+    Probed medium("medium");
     for (double strain : {1e-5, 2e-6}) {
-        const auto xx = moduli("medium", 0, strain), yy = moduli("medium", 1, strain), xy = moduli("medium", 2, strain);
+        const auto xx = medium.moduli(along_x, strain), yy = medium.moduli(along_y, strain);
         CHECK(xx[0] == Approx(7.89).epsilon(0.02));
         CHECK(xx[1] == Approx(1.44).epsilon(0.02));
         CHECK(yy[0] == Approx(1.43).epsilon(0.02));
         CHECK(yy[1] == Approx(7.60).epsilon(0.02));
-        CHECK(xy[2] == Approx(3.29).epsilon(0.02));
+        CHECK(medium.moduli(shear, strain)[2] == Approx(3.29).epsilon(0.02));
     }
-    // Loose: YADE itself gives 5.86 to 5.94 and 1.58 to 1.66 with the size of the probe; the middle, and its width added.
-    const auto xx = moduli("loose", 0, 1e-5), yy = moduli("loose", 1, 1e-5), xy = moduli("loose", 2, 1e-5);
-    CHECK(xx[0] == Approx(5.90).epsilon(0.02 + 0.007));
+    // Loose: YADE itself gives 5.86 to 5.94 and 1.58 to 1.66, with the size of its probe: 2 % beyond either end.
+    Probed loose("loose");
+    const auto xx = loose.moduli(along_x, 1e-5), yy = loose.moduli(along_y, 1e-5);
+    CHECK(xx[0] > 0.98 * 5.86);
+    CHECK(xx[0] < 1.02 * 5.94);
     CHECK(xx[1] == Approx(1.67).epsilon(0.02));
-    CHECK(yy[0] == Approx(1.62).epsilon(0.02 + 0.025));
+    CHECK(yy[0] > 0.98 * 1.58);
+    CHECK(yy[0] < 1.02 * 1.66);
     CHECK(yy[1] == Approx(6.03).epsilon(0.02));
-    CHECK(xy[2] == Approx(1.91).epsilon(0.02));
+    CHECK(loose.moduli(shear, 1e-5)[2] == Approx(1.91).epsilon(0.02));
 }
 
 TEST_CASE("the isochoric response of the medium packing is YADE's: 0.5 % of the pressure to 1 % strain, 1.5 % to 2 %", "[yade]") {
@@ -185,7 +196,7 @@ TEST_CASE("the bonded biaxial response is YADE's within 1.5 % up to the first br
     farm.reset_tangential_forces(0); // as the reference was prepared: f_t = 0, servoed again, then bonded
     Servo servo({ComponentTarget::stress(-pressure), ComponentTarget::stress(-pressure), ComponentTarget::rate(0)});
     Answer answer = farm.measure(0);
-    for (int k = 0; k < 3000; ++k) answer = samples::step(farm, servo.next(answer, 1e-4), 1e-4);
+    for (int k = 0; k < 2000; ++k) answer = samples::step(farm, servo.next(answer, 1e-4), 1e-4);
     CHECK(servo.error(answer) < 2e-4 * pressure);
     CHECK(answer.unbalanced_force < 1e-4);
     farm.activate_bonds();
