@@ -32,6 +32,7 @@ FarmPartner::FarmPartner(const PartnerOptions& options) : run_id_(fresh_run_id()
     const std::string name = exchange_name(options, run_id_);
     exchange::WaitLimits limits;
     limits.stall_seconds = options.stall_seconds;
+    limits.attach_seconds = options.attach_seconds;
     channel_ = exchange::make_shm_channel(name, limits);
     if (!options.exchange.empty()) return;
     std::vector<std::string> command = {sibling_program("rve-farm").string(), "serve", "--exchange", "shm:" + name, "--backend", options.backend,

@@ -13,7 +13,7 @@ struct PartnerOptions {
     std::string exchange;        // "shm:NAME"; empty = launch a farm of our own
     std::string backend = "auto";
     int threads = 0;             // of the farm; 0 = all
-    double stall_seconds = 120.0;
+    double stall_seconds = 120.0, attach_seconds = 60.0; // of patience: exchange/wait.hpp
     bool quiet = false;
 };
 

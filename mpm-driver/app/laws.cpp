@@ -24,9 +24,7 @@ SceneLaws make_laws(Scene& scene, const RunOptions& options) {
         setup.packings = obtain_packings(*scene.rve, options.threads, options.quiet);
         for (BodySpec& body : scene.bodies)
             if (body.law == "rve" && !body.density) body.density = bulk_density(setup.packings, setup.parameters.grain_density);
-        out.largest_dem_step_ = setup.parameters.time_step;
-        out.fixed_substeps_ = setup.parameters.substeps;
-        out.partner_ = std::make_unique<FarmPartner>(PartnerOptions{options.exchange, options.backend, options.threads, options.stall_seconds, options.quiet});
+        out.partner_ = std::make_unique<FarmPartner>(PartnerOptions{options.exchange, options.backend, options.threads, options.stall_seconds, options.attach_seconds, options.quiet});
         exchange::Hello hello;
         hello.program = "mpm-driver " + version();
         hello.run_id = out.partner_->run_id();
@@ -45,12 +43,16 @@ RunFacts SceneLaws::facts() const {
     facts.rves = farm_->rves();
     facts.evaluations_asked = facts.evaluations_done = farm_->evaluations();
     facts.split_steps = farm_->split_steps();
+    facts.dem_time_step = farm_->dem_time_step();
     facts.waiting_driver = partner_->channel().waiting_seconds();
+    facts.waiting_farm = farm_waited_;
     return facts;
 }
 
 void SceneLaws::bye() {
-    if (farm_) farm_->bye();
+    if (!farm_) return;
+    farm_waited_ = farm_->farm_waiting_seconds();
+    farm_->bye();
 }
 
 } // namespace talik::driver

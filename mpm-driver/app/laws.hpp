@@ -1,6 +1,7 @@
 #pragma once
 // The laws a scene calls for, and nothing else: elastic where a body asks for it, a farm where RVEs are asked for.
 #include <memory>
+#include <optional>
 
 #include "mpm-driver/app/farm_partner.hpp"
 #include "mpm-driver/app/run.hpp"
@@ -16,7 +17,14 @@ public:
     Simulation::Laws take() { return std::move(laws_); } // for the simulation, once
     RunFacts facts() const;                              // of the farm
     std::int64_t rves() const { return farm_ ? farm_->rves() : 0; }
-    void bye();
+    bool farm_wishes_to_end() const { return farm_ && partner_->channel().partner_wishes_to_end(); }
+    void bye(); // the farm says how long it waited, and ends
+
+    // Should the body end by an exception, the farm learns why.
+    template <class Body>
+    auto with_cause(Body&& body) {
+        return farm_ ? exchange::with_cause(partner_->channel(), body) : body();
+    }
 
 private:
     friend SceneLaws make_laws(Scene& scene, const RunOptions& options);
@@ -24,8 +32,7 @@ private:
     std::unique_ptr<FarmPartner> partner_; // outlives the law that speaks through it
     Simulation::Laws laws_;
     FarmLaw* farm_ = nullptr;
-    double largest_dem_step_ = 0.0; // s
-    int fixed_substeps_ = 0;
+    std::optional<double> farm_waited_; // s; empty until the farm has said so
 };
 
 // Starts the farm where there is one; sets the bulk density of bodies whose scene leaves it to the RVEs.

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "common/base/error.hpp"
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "common/base/idle_threads.hpp"
@@ -57,6 +58,7 @@ int main(int argc, char** argv) {
     run_command->add_option("--threads", options.threads, "of the farm and of the driver; 0 = all")->check(CLI::NonNegativeNumber);
     run_command->add_option("--backend", options.backend, "of the farm: auto, cpu or cuda")->check(CLI::IsMember({"auto", "cpu", "cuda"}));
     run_command->add_option("--stall-seconds", options.stall_seconds, "how long a farm that does not move is waited for")->check(CLI::PositiveNumber);
+    run_command->add_option("--attach-seconds", options.attach_seconds, "how long a farm is waited for to come to the exchange")->check(CLI::PositiveNumber);
     run_command->add_flag("--quiet", options.quiet, "warnings and errors only");
     run_command->callback([&] {
         if (until_option->count() > 0) options.until = until;
@@ -86,7 +88,8 @@ int main(int argc, char** argv) {
         try {
             app.parse(argc, argv);
         } catch (const CLI::ParseError& error) {
-            return app.exit(error) == 0 ? 0 : 2;
+            if (error.get_exit_code() == 0) return app.exit(error); // --help, --version
+            fail(ExitCode::bad_input, error.what(), "see mpm-driver --help");
         }
         if (help_scene || markdown_scene) {
             fmt::print("{}", markdown_scene ? scene_markdown() : scene_help());

@@ -1,10 +1,12 @@
 #include "mpm-driver/app/packings.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cstdlib>
 
 #include "common/base/error.hpp"
+#include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "common/io/text_file.hpp"
 #include "common/packing/packing_csv.hpp"
@@ -31,9 +33,10 @@ fs::path prepare(const RveSpec& rve, int threads, bool quiet) {
     if (threads > 0) command.insert(command.end(), {"--threads", std::to_string(threads)});
     if (quiet) command.push_back("--quiet");
     exchange::LaunchedProcess pack(command);
-    while (!pack.wait(1.0)) {}
+    while (!pack.wait(0.1) && !interrupted()) {}
     std::error_code ignored;
     fs::remove(specification, ignored);
+    if (interrupted()) fail(ExitCode::failed, fmt::format("stopped by {} while the packings were prepared", interrupt_name()), "run it again");
     const auto code = pack.exit_code();
     if (code != 0) {
         fs::remove(part, ignored);

@@ -43,11 +43,16 @@ bool due(double interval, double before, double now) {
     return std::floor(now / interval + slack) > std::floor(before / interval + slack);
 }
 
+fs::path output_folder(const RunOptions& options) {
+    const fs::path folder = options.output.empty() ? fs::path("out") / fs::path(options.scene).stem() : fs::path(options.output);
+    make_folder(folder);
+    return folder;
+}
+
 class Run {
 public:
-    Run(const RunOptions& options, const Scene& scene)
-        : options_(options), scene_(scene), output_(output_folder(options)), laws_(make_laws(scene_, options)),
-          simulation_(scene_, laws_.take()), checkpoints_(output_) {
+    Run(const RunOptions& options, const fs::path& output, const Scene& scene, SceneLaws& laws)
+        : options_(options), scene_(scene), output_(output), laws_(laws), simulation_(scene_, laws_.take()), checkpoints_(output_) {
         if (!options.restart.empty()) restore_checkpoint(simulation_, options.restart);
         const std::int64_t keep = options.restart.empty() ? -1 : simulation_.steps_done();
         std::vector<std::string> names;
@@ -73,13 +78,15 @@ public:
         const double end = options_.until ? std::min(*options_.until, simulation_.end_time()) : simulation_.end_time();
         Progress progress(scene_.title.empty() ? scene_.file : scene_.title, options_.quiet);
         while (!simulation_.finished() && simulation_.time() < end * (1.0 - 1e-12)) {
-            if (interrupted()) return stop_on_interrupt();
+            if (interrupted()) stop(fmt::format("stopped by {}", interrupt_name()));
+            if (laws_.farm_wishes_to_end()) stop("stopped because the farm was asked to end");
             advance();
             progress.update(simulation_.time() / end, fmt::format("t = {:.4g} s, step {}", simulation_.time(), simulation_.steps_done()));
         }
         if (!written_fields_) write_fields();
         if (history_->last_step() != simulation_.steps_done()) write_history();
         write_checkpoint();
+        laws_.bye(); // the farm ends, so that its CPU time can be counted
         return 0;
     }
 
@@ -91,7 +98,6 @@ public:
         facts.stage_seconds.emplace_back("output", output_seconds_);
         facts.exit = exit;
         facts.cause = cause;
-        if (exit == 0) laws_.bye(); // the farm ends, so that its CPU time can be counted
         facts.cpu_seconds = cpu_seconds();
         write_summary(output_ / "summary.json", simulation_, facts);
         if (!options_.quiet) fmt::print(stderr, "\n{}{}", summary_table(simulation_, facts), fmt::format("  {:<28}{}\n", "output", output_.string()));
@@ -104,12 +110,6 @@ public:
     }
 
 private:
-    static fs::path output_folder(const RunOptions& options) {
-        const fs::path folder = options.output.empty() ? fs::path("out") / fs::path(options.scene).stem() : fs::path(options.output);
-        make_folder(folder);
-        return folder;
-    }
-
     void advance() {
         const double before = simulation_.time();
         const int stage = simulation_.stage();
@@ -130,44 +130,64 @@ private:
         history_->row(simulation_.steps_done(), simulation_.time(), values);
     }
     void write_fields() { fields_->write(simulation_.steps_done(), simulation_.time(), simulation_.grid().thickness(), field_columns(simulation_)); }
-    void write_checkpoint() { checkpoints_.write(simulation_); }
+    // Once per step: the end of a run may fall on a checkpoint that is due.
+    void write_checkpoint() {
+        if (checkpointed_step_ == simulation_.steps_done()) return;
+        checkpoints_.write(simulation_);
+        checkpointed_step_ = simulation_.steps_done();
+    }
 
-    int stop_on_interrupt() {
+    // In order: the checkpoint first, then the farm's leave, so that it does not take our end for a death.
+    [[noreturn]] void stop(const std::string& why) {
         write_checkpoint();
-        fail(ExitCode::failed, fmt::format("stopped by {} at t = {:.6g} s", interrupt_name(), simulation_.time()),
-             "go on with --restart " + checkpoints_.newest().string());
+        laws_.bye();
+        fail(ExitCode::failed, fmt::format("{} at t = {:.6g} s", why, simulation_.time()), "go on with --restart " + newest_checkpoint());
     }
 
     RunOptions options_;
     Scene scene_;
     fs::path output_;
-    SceneLaws laws_;
+    SceneLaws& laws_;
     Simulation simulation_;
     Checkpoints checkpoints_;
     std::optional<History> history_;
     std::optional<FieldsWriter> fields_;
     bool written_fields_ = false;
+    std::int64_t checkpointed_step_ = -1;
     double output_seconds_ = 0.0;
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-} // namespace
-
-int run(const RunOptions& options) {
-    if (options.threads > 0) omp_set_num_threads(options.threads);
-    const Scene scene = read_scene(options.scene, options.set);
-    Run run(options, scene);
-    run.announce();
+// The run with its books closed at its end, whichever that is: the summary is written, and the error names the checkpoint.
+int go_and_close(Run& run) {
     try {
         const int exit = run.go();
         run.close(exit, "");
         return exit;
     } catch (const Error& error) {
-        run.close(static_cast<int>(error.code()), error.what());
+        try {
+            run.close(static_cast<int>(error.code()), error.what());
+        } catch (const std::exception& second) { // a full disk, again: it must not hide what ended the run
+            log::warn("no summary of this run: {}", second.what());
+        }
         const std::string checkpoint = run.newest_checkpoint();
         const std::string last = checkpoint.empty() ? "no checkpoint was written yet" : "last good checkpoint: " + checkpoint;
         throw Error(error.code(), error.where(), error.problem(), error.remedy().find("--restart") == std::string::npos ? error.remedy() + "; " + last : error.remedy());
     }
+}
+
+} // namespace
+
+int run(const RunOptions& options) {
+    if (options.threads > 0) omp_set_num_threads(options.threads);
+    Scene scene = read_scene(options.scene, options.set);
+    const fs::path output = output_folder(options);
+    SceneLaws laws = make_laws(scene, options); // outlives the run, so that the farm is told what ended it
+    return laws.with_cause([&] {
+        Run run(options, output, scene, laws);
+        run.announce();
+        return go_and_close(run);
+    });
 }
 
 } // namespace talik::driver

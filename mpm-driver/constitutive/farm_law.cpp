@@ -10,6 +10,7 @@
 #include "common/base/error.hpp"
 #include "common/io/byte_stream.hpp"
 #include "common/io/hdf5_file.hpp"
+#include "common/physics/clock.hpp"
 #include "common/physics/rve_columns.hpp"
 
 namespace talik::driver {
@@ -82,6 +83,7 @@ void FarmLaw::submit(const LawRequest& request, LawAnswer answer) {
     out_ = answer;
     step_ = request.step;
     time_ += request.time_increment;
+    latest_time_increment_ = request.time_increment;
     farm_.begin_step({request.step, request.time_increment, static_cast<std::uint32_t>(setup_.parameters.substeps)}, static_cast<int>(request.ids.size()), answer_);
     for (std::size_t sent = 0; sent < request.ids.size();) {
         exchange::Batch& chunk = farm_.next_chunk();
@@ -139,6 +141,17 @@ std::int64_t FarmLaw::split_steps() const {
     if (!reported_.empty())
         for (double steps : reported_[split_steps_column]) sum += steps;
     return static_cast<std::int64_t>(sum);
+}
+
+double FarmLaw::farm_waiting_seconds() {
+    const auto said = farm_.command("waiting seconds");
+    ByteReader in(said, "the answer to \"waiting seconds\"");
+    return in.get<double>();
+}
+
+double FarmLaw::dem_time_step() const {
+    if (latest_time_increment_ <= 0.0) return 0.0;
+    return latest_time_increment_ / substeps_of(setup_.parameters, latest_time_increment_);
 }
 
 bool FarmLaw::activate(const std::string& effect) {

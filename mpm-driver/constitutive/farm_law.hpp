@@ -25,6 +25,8 @@ public:
     std::vector<StateColumn> columns() override;
 
     void bye() { farm_.bye(); }
+    double farm_waiting_seconds(); // asked of the farm, s
+    double dem_time_step() const;  // dt / n of the latest macro step, s; 0 before the first
     const std::string& farm_program() const { return farm_program_; }
     std::int64_t rves() const { return static_cast<std::int64_t>(point_of_rve_.size()); }
     std::int64_t evaluations() const { return evaluations_; }
@@ -53,7 +55,8 @@ private:
     exchange::Batch answer_;
     LawAnswer out_;
     std::uint64_t step_ = 0;
-    double time_ = 0.0; // s, simulated by the RVEs
+    double time_ = 0.0;                // s, simulated by the RVEs
+    double latest_time_increment_ = 0.0; // s
     std::vector<double> row_;
 
     // The latest of what is only reported: by point of the scene, one column after the other.

@@ -2,6 +2,7 @@
 // summary.json: what a run was, what it cost, and how well its balances close.
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,8 @@ struct RunFacts {
     double dem_time_step = 0.0;              // s, of the last macro step; 0 where no RVE is called for
     double wall_seconds = 0.0, cpu_seconds = 0.0;
     std::vector<std::pair<std::string, double>> stage_seconds;
-    double waiting_driver = 0.0, waiting_farm = 0.0; // s
+    double waiting_driver = 0.0;         // s
+    std::optional<double> waiting_farm;  // s; empty where the farm was lost before it could tell
     std::vector<std::string> warnings;
     int exit = 0;
     std::string cause;                       // of the end, where it was not the scene's

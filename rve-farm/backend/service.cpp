@@ -106,10 +106,15 @@ void Service::answer(const exchange::Batch& request, exchange::Batch& answer, ex
 }
 
 std::vector<std::byte> Service::command(const std::string& name, std::span<const std::byte> /*payload*/) {
-    require(name == "activate bonds", "the farm knows no command \"" + name + "\"", "it knows: activate bonds");
-    require(farm().parameters().bond.has_value(), "bonds cannot be activated: the RVEs have no bond law", "add [rve.bond] to the scene");
-    farm().activate_bonds();
-    return {};
+    if (name == "activate bonds") {
+        require(farm().parameters().bond.has_value(), "bonds cannot be activated: the RVEs have no bond law", "add [rve.bond] to the scene");
+        farm().activate_bonds();
+        return {};
+    }
+    require(name == "waiting seconds", "the farm knows no command \"" + name + "\"", "it knows: activate bonds, waiting seconds");
+    ByteWriter out;
+    out.put(progress_ ? progress_->waiting_seconds() : 0.0);
+    return out.take();
 }
 
 void Service::checkpoint(const std::string& path) {

@@ -1,0 +1,17 @@
+#pragma once
+// The two clocks: a macro step dt is run as n equal DEM sub-steps of dt/n, so that both show the same time.
+#include <algorithm>
+#include <cmath>
+
+#include "common/physics/rve_parameters.hpp"
+
+namespace talik {
+
+// n = ceil(dt / dt_DEM), dt_DEM the largest sub-step, s; unless the scene fixes n. Not one more for the last bit of a
+// quotient such as 1e-3 / 1e-5.
+inline int substeps_of(const RveParameters& parameters, double time_increment) {
+    if (parameters.substeps > 0) return parameters.substeps;
+    return std::max(1, static_cast<int>(std::ceil(time_increment / parameters.time_step * (1.0 - 1e-9))));
+}
+
+} // namespace talik
