@@ -5,6 +5,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
 #include <vector>
 
 #include "common/base/error.hpp"
@@ -52,6 +54,28 @@ void write_driver_state(Simulation& simulation, const fs::path& path) {
     file.close();
 }
 
+void write_part(Simulation& simulation, const fs::path& part) {
+    fs::remove_all(part);
+    make_folder(part);
+    for (const auto& [name, law] : simulation.laws()) {
+        make_folder(part / name);
+        law->checkpoint((part / name).string());
+    }
+    write_driver_state(simulation, part / "driver.h5");
+}
+
+// Where a checkpoint of the same step is there already (a run that went on from before it), the two change names in one
+// go: at no moment is there none.
+void put_in_place(const fs::path& part, const fs::path& target) {
+    const unsigned int flags = fs::exists(target) ? RENAME_EXCHANGE : 0;
+    if (::renameat2(AT_FDCWD, part.c_str(), AT_FDCWD, target.c_str(), flags) != 0) {
+        if (flags == 0) fail_to_write(target, errno);
+        fs::remove_all(target); // a file system without exchange
+        if (::rename(part.c_str(), target.c_str()) != 0) fail_to_write(target, errno);
+    }
+    fs::remove_all(part);
+}
+
 } // namespace
 
 Checkpoints::Checkpoints(fs::path output_folder, int keep) : folder_(std::move(output_folder)), keep_(keep) {
@@ -64,17 +88,14 @@ Checkpoints::Checkpoints(fs::path output_folder, int keep) : folder_(std::move(o
 fs::path Checkpoints::write(Simulation& simulation) {
     const fs::path target = folder_ / fmt::format("{}{:09}", prefix, simulation.steps_done());
     const fs::path part = target.string() + ".part";
-    fs::remove_all(part);
-    make_folder(part);
-    for (const auto& [name, law] : simulation.laws()) {
-        make_folder(part / name);
-        law->checkpoint((part / name).string());
+    try {
+        write_part(simulation, part);
+    } catch (...) { // a half takes the room that may be lacking, and is of no use; the checkpoint before it stays
+        std::error_code ignored;
+        fs::remove_all(part, ignored);
+        throw;
     }
-    write_driver_state(simulation, part / "driver.h5");
-    fs::remove_all(target); // of the same step, by a run that went on from here before
-    std::error_code problem;
-    fs::rename(part, target, problem);
-    if (problem) fail_to_write(target, problem.value());
+    put_in_place(part, target);
     sync_folder(folder_);
     newest_ = target;
     remove_older();

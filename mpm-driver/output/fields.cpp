@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/base/error.hpp"
+#include "common/base/log.hpp"
 #include "common/io/hdf5_file.hpp"
 #include "common/io/text_file.hpp"
 
@@ -16,16 +17,25 @@ constexpr const char* format = "talik-fields 1";
 std::string group_name(int index) { return fmt::format("/output_{:06}", index); }
 std::string vtu_name(int index) { return fmt::format("fields/fields_{:06}.vtu", index); }
 
-// Copies the attributes and arrays of one output.
+// Copies the attributes and arrays of one output; all is read before anything is written, so that a damaged one adds nothing.
 void copy_output(const Hdf5File& from, Hdf5File& to, const std::string& group) {
-    to.make_group(group);
-    to.set_attribute(group, "step", from.integer_attribute(group, "step"));
-    to.set_attribute(group, "time", from.number_attribute(group, "time"));
+    struct Copy {
+        std::string path, unit;
+        Hdf5Array<double> array;
+    };
+    const auto step = from.integer_attribute(group, "step");
+    const double time = from.number_attribute(group, "time");
+    std::vector<Copy> copies;
     for (const auto& name : from.children(group)) {
         const std::string path = group + "/" + name;
-        const auto array = from.read<double>(path);
-        to.write(path, array.values, array.columns);
-        to.set_attribute(path, "unit", from.text_attribute(path, "unit"));
+        copies.push_back({path, from.text_attribute(path, "unit"), from.read<double>(path)});
+    }
+    to.make_group(group);
+    to.set_attribute(group, "step", step);
+    to.set_attribute(group, "time", time);
+    for (const Copy& copy : copies) {
+        to.write(copy.path, copy.array.values, copy.array.columns);
+        to.set_attribute(copy.path, "unit", copy.unit);
     }
 }
 
@@ -35,18 +45,27 @@ FieldsWriter::FieldsWriter(std::filesystem::path folder, std::int64_t keep_throu
     make_folder(folder_ / "fields");
     const auto target = folder_ / "fields.h5", fresh = folder_ / "fields.h5.part";
     Hdf5File file = Hdf5File::create(fresh.string(), "mpm-driver", format);
-    if (keep_through_step >= 0 && std::filesystem::exists(target)) {
-        const Hdf5File old = Hdf5File::open(target.string());
-        while (old.has(group_name(next_)) && old.integer_attribute(group_name(next_), "step") <= keep_through_step) {
-            copy_output(old, file, group_name(next_));
-            series_.push_back({old.number_attribute(group_name(next_), "time"), vtu_name(next_)});
-            ++next_;
-        }
-    }
+    if (keep_through_step >= 0 && std::filesystem::exists(target)) keep_outputs(target, keep_through_step, file);
     file.close();
     std::filesystem::rename(fresh, target);
     for (int stale = next_; std::filesystem::remove(folder_ / vtu_name(stale)); ++stale) {} // of the run before
     write_pvd(folder_ / "fields.pvd", series_);
+}
+
+// A run killed while it wrote may leave a file that cannot be read to its end: what can be read stays, and the restart
+// goes on, for its checkpoint is sound.
+void FieldsWriter::keep_outputs(const std::filesystem::path& from, std::int64_t through_step, Hdf5File& to) {
+    try {
+        const Hdf5File old = Hdf5File::open(from.string());
+        while (old.has(group_name(next_)) && old.integer_attribute(group_name(next_), "step") <= through_step) {
+            copy_output(old, to, group_name(next_));
+            series_.push_back({old.number_attribute(group_name(next_), "time"), vtu_name(next_)});
+            ++next_;
+        }
+    } catch (const Error& error) {
+        if (error.code() != ExitCode::bad_input) throw;
+        log::warn("only {} outputs of the run before are kept: {}", next_, error.what());
+    }
 }
 
 void FieldsWriter::write(std::int64_t step, double time, double thickness, const std::vector<FieldColumn>& columns) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/io/hdf5_file.hpp"
 #include "common/io/vtu.hpp"
 
 namespace talik::driver {
@@ -27,6 +28,8 @@ public:
     void write(std::int64_t step, double time, double thickness, const std::vector<FieldColumn>& columns);
 
 private:
+    void keep_outputs(const std::filesystem::path& from, std::int64_t through_step, Hdf5File& to);
+
     std::filesystem::path folder_;
     std::vector<SeriesEntry> series_;
     int next_ = 0;

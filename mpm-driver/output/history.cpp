@@ -36,9 +36,9 @@ History::History(const std::filesystem::path& path, const std::vector<std::strin
     for (const auto& column : columns) header += "," + column;
     header += "\n";
     const std::string rows = kept_rows(path, header, keep_through_step, last_step_);
-    file_.reset(std::fopen(path.c_str(), "wb"));
+    write_file_atomically(path, header + rows); // a run killed here keeps the rows it restarts with
+    file_.reset(std::fopen(path.c_str(), "ab"));
     if (!file_) fail_to_write(path, errno);
-    write(header + rows);
 }
 
 void History::row(std::int64_t step, double time, std::span<const double> values) {
