@@ -1,6 +1,7 @@
 #include "mpm-driver/output/quantities.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "mpm-driver/points/kinematics.hpp"
 
@@ -44,11 +45,12 @@ std::vector<HistoryValue> history_values(const Simulation& simulation) {
     for (const Vector& v : points.velocity) fastest = std::max(fastest, v.norm());
 
     std::vector<HistoryValue> out = {{"stage", static_cast<double>(simulation.stage())}};
+    const double known = simulation.steps_done() > 0 ? 1.0 : std::nan(""); // walls push from the first step on
     for (const Wall& wall : simulation.walls()) {
         out.push_back({wall.name() + "_position_m", wall.position()});
-        out.push_back({wall.name() + "_force_x_N", wall.reaction().force.x()});
-        out.push_back({wall.name() + "_force_y_N", wall.reaction().force.y()});
-        out.push_back({wall.name() + "_contact_area_m2", wall.reaction().contact_area});
+        out.push_back({wall.name() + "_force_x_N", known * wall.reaction().force.x()});
+        out.push_back({wall.name() + "_force_y_N", known * wall.reaction().force.y()});
+        out.push_back({wall.name() + "_contact_area_m2", known * wall.reaction().contact_area});
     }
     const std::vector<HistoryValue> rest = {
         {"volume_m3", means.volume},
@@ -89,6 +91,7 @@ std::vector<FieldColumn> field_columns(const Simulation& simulation) {
     out.push_back(column(points, "velocity", "m/s", 3, [&](std::size_t p, Data& d) { d.insert(d.end(), {points.velocity[p].x(), points.velocity[p].y(), 0.0}); }));
     out.push_back(column(points, "stress", "Pa, xx yy xy, tension positive", 3, [&](std::size_t p, Data& d) { const Stress& s = points.stress[p]; d.insert(d.end(), {s[0], s[1], s[2]}); }));
     out.push_back(column(points, "strain", "-, logarithmic, xx yy xy, tension positive", 3, [&](std::size_t p, Data& d) { const Matrix e = logarithmic_strain(points.deformation[p]); d.insert(d.end(), {e(0, 0), e(1, 1), e(0, 1)}); }));
+    out.push_back(column(points, "deformation_gradient", "-, xx xy yx yy", 4, [&](std::size_t p, Data& d) { const Matrix& f = points.deformation[p]; d.insert(d.end(), {f(0, 0), f(0, 1), f(1, 0), f(1, 1)}); }));
     out.push_back(column(points, "equivalent_strain", "-", 1, [&](std::size_t p, Data& d) { d.push_back(equivalent_strain(points.deformation[p])); }));
     out.push_back(column(points, "volume", "m3", 1, [&](std::size_t p, Data& d) { d.push_back(points.volume[p]); }));
     out.push_back(column(points, "density", "kg/m3", 1, [&](std::size_t p, Data& d) { d.push_back(points.density(p)); }));
