@@ -1,0 +1,113 @@
+// What a user may get wrong: each fault is one line that names it and says what to do, with exit code 2.
+#include "tests/lockstep/support.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/text.hpp"
+
+#include <unistd.h>
+
+#include <fstream>
+
+using namespace talik::lockstep;
+
+namespace {
+
+struct BadScene {
+    std::string what;
+    std::map<std::string, std::string> replace;
+    std::vector<std::string> says;
+    bool by_check = true; // `mpm-driver check` sees it, too: it needs no packing and no farm
+};
+
+const std::vector<BadScene> bad_scenes = {
+    {"a misspelt key", {{"friction", "frictoin = 0.5"}}, {"scene.toml:20: rve.contact.frictoin", "did you mean \"friction\"?"}},
+    {"a wrong unit", {{"cell", "cell = \"0.1 kPa\""}}, {"domain.cell", "kPa"}},
+    {"a number where a text belongs", {{"name = \"sample\"", "name = 3"}}, {"body.0.name"}},
+    {"a text where a number belongs", {{"pic", "pic = \"much\""}}, {"stage.0.pic"}},
+    {"a negative size", {{"size", "size = [\"-0.4 m\", \"0.3 m\"]"}}, {"domain.size", "> 0"}},
+    {"a missing key", {{"law", ""}}, {"body.0.law"}},
+    {"TOML that is none", {{"seed = 3", "seed = = 3"}}, {"scene.toml:2"}},
+    {"a body outside of the domain", {{"box", "box = [[\"0 m\", \"0 m\"], [\"0.2 m\", \"2 m\"]]"}}, {"body.0.box", "lies outside the domain"}},
+    {"a wall that is none", {{"moves", "moves = [\"plat\"]"}}, {"stage.0.moves", "its walls are: base, plate"}},
+    {"a packing that is missing", {{"discs", "file = \"none.h5\""}, {"void_ratio =", ""}, {"void_ratio_tol", ""}, {"count", ""}}, {"none.h5"}, false},
+    {"a void ratio out of reach", {{"void_ratio =", "void_ratio = 0.05"}, {"void_ratio_tol", "void_ratio_tolerance = 0.001"}, {"count", ""}},
+     {"out of reach", " to ", "choose a value in between"}, false},
+    {"a macro step too large", {{"safety", "fixed = \"20 ms\""}}, {"the step of 0.02 s is beyond the largest stable one", "use step = \"auto\", or at most"}, false},
+    {"a DEM step too large", {{"time_step", "time_step = \"1 ms\""}}, {"the DEM time step of 0.001 s is unstable", "the largest stable step of its contact network is"}, false},
+};
+
+} // namespace
+
+TEST_CASE("A fault in a scene is one line with file, key and mend, exit code 2, and nothing is left behind", "[lockstep][fault]") {
+    for (const BadScene& bad : bad_scenes) {
+        TemporaryFolder folder;
+        const fs::path cache = folder / "cache", scene = write_tiny_scene(folder, bad.replace);
+        const Finished run = run_to_end({"mpm-driver", "run", scene.string(), "--output", (folder / "out").string(), "--quiet"}, cache);
+        CAPTURE(bad.what, run.text);
+        CHECK(run.end.code == 2);
+        // A farm that found the fault says it, too: a line per process.
+        REQUIRE_FALSE(run.errors.empty());
+        CHECK(run.errors.size() <= 2);
+        for (const std::string& part : bad.says) CHECK_CONTAINS(run.text, part);
+        if (bad.by_check) {
+            CHECK(run.errors.size() == 1);
+            CHECK(run_to_end({"mpm-driver", "check", scene.string()}, cache).end.code == 2);
+        }
+        CHECK(halves(folder.path()).empty());
+        CHECK(checkpoints(folder / "out").empty());
+    }
+}
+
+TEST_CASE("`check` names every fault of a scene at once, a line each", "[lockstep][fault]") {
+    TemporaryFolder folder;
+    const fs::path scene = write_tiny_scene(folder, {{"friction", "frictoin = 0.5"}, {"cell", "cell = \"0.1 kPa\""}, {"pic", "pic = 2"}});
+    const Finished check = run_to_end({"mpm-driver", "check", scene.string()}, folder / "cache");
+    CAPTURE(check.text);
+    CHECK(check.end.code == 2);
+    CHECK(check.errors.size() == 3);
+    const Finished sound = run_to_end({"mpm-driver", "check", write_tiny_scene(folder).string()}, folder / "cache");
+    CHECK(sound.end.code == 0);
+}
+
+TEST_CASE("A call that cannot be meant is one line and exit code 2", "[lockstep][fault]") {
+    TemporaryFolder folder;
+    const std::string scene = write_tiny_scene(folder).string(), output = (folder / "out").string();
+    struct Call {
+        std::vector<std::string> arguments;
+        std::string says;
+    };
+    const std::vector<Call> calls = {
+        {{"mpm-driver", "run", (folder / "none.toml").string()}, "none.toml: cannot be read"},
+        {{"mpm-driver", "run", scene, "--output", output, "--colour", "red"}, "--colour"},
+        {{"mpm-driver", "run", scene, "--output", output, "--exchange", "pigeon:post"}, "no such transport"},
+        {{"mpm-driver", "run", scene, "--output", output, "--exchange", "shm:a/b"}, "is no name for an exchange"},
+        {{"mpm-driver", "run", scene, "--output", output, "--set", "rve.contact.frictoin=1"}, "friction"},
+        {{"mpm-driver", "run", scene, "--output", scene + "/below-a-file"}, "cannot be written"},
+        {{"rve-farm", "serve", "--exchange", "pigeon:post"}, "no such transport"},
+        {{"rve-farm", "serve", "--exchange", "shm:" + unique_exchange_name(), "--backend", "cuda"}, "no CUDA backend"},
+    };
+    for (const Call& call : calls) {
+        const Finished run = run_to_end(call.arguments, folder / "cache");
+        CAPTURE(call.says, run.text);
+        CHECK(run.end.code == 2);
+        CHECK(run.errors.size() == 1);
+        CHECK_CONTAINS(run.text, call.says);
+    }
+}
+
+TEST_CASE("An output folder that may not be written to is named before anything is prepared", "[lockstep][fault]") {
+    TemporaryFolder folder;
+    const fs::path closed = folder / "closed", cache = folder / "cache";
+    fs::create_directory(closed);
+    fs::permissions(closed, fs::perms::owner_read | fs::perms::owner_exec);
+    if (access(closed.c_str(), W_OK) == 0) { // root may write everywhere, but not below /proc
+        const Finished run = run_to_end({"mpm-driver", "run", write_tiny_scene(folder).string(), "--output", "/proc/talik", "--quiet"}, cache);
+        CHECK(run.end.code == 2);
+        CHECK_CONTAINS(run.text, "/proc/talik: cannot be written");
+        CHECK_FALSE(fs::exists(cache / "packings"));
+        return;
+    }
+    const Finished run = run_to_end({"mpm-driver", "run", write_tiny_scene(folder).string(), "--output", (closed / "out").string(), "--quiet"}, cache);
+    CHECK(run.end.code == 2);
+    CHECK_CONTAINS(run.text, "cannot be written: Permission denied");
+    CHECK_FALSE(fs::exists(cache / "packings"));
+}
