@@ -107,6 +107,11 @@ TEST_CASE("A driver killed at any moment takes its farm along within a second, a
     kill_at_random(false, 20);
 }
 
+TEST_CASE("Hundreds of kills of either side leave no hang and nothing behind", "[lockstep][fault][long]") {
+    kill_at_random(true, 300);
+    kill_at_random(false, 300);
+}
+
 TEST_CASE("Each of two programs started apart reports the other's death in one line", "[lockstep][fault]") {
     const bool kill_farm = GENERATE(true, false);
     Pair pair;
