@@ -34,12 +34,13 @@ inline int substeps_needed(const MacroStep& step) {
 
 // The largest v_f^2, m^2/s^2, in four strands so that it is not one long chain of comparisons; a NaN stays one.
 inline double largest_speed_squared(const AssemblyView& s) {
+    const auto take = [](double& largest, double value) { // nothing is larger than a NaN, so it stays
+        if (value > largest || value != value) largest = value;
+    };
     double strand[4] = {0, 0, 0, 0};
-    for (int i = 0; i < s.disc_count(); ++i)
-        if (!(s.speed_squared[i] <= strand[i & 3])) strand[i & 3] = s.speed_squared[i];
+    for (int i = 0; i < s.disc_count(); ++i) take(strand[i & 3], s.speed_squared[i]);
     double largest = 0;
-    for (double value : strand)
-        if (!(value <= largest)) largest = value;
+    for (double value : strand) take(largest, value);
     return largest;
 }
 
@@ -53,7 +54,7 @@ inline Status keep_neighbours(AssemblyView& s, const ColumnChoice& columns) {
     n.strain_bound += strain;
     n.displacement_bound = n.displacement_bound * (1 + 1.001 * strain) + displacement; // what has moved stretches with the cell
     if (!list_is_spent(n)) return Status::ok;
-    return rebuild_neighbours(s, columns) ? Status::ok : Status::contact_list_full;
+    return rebuild_neighbours(s, columns);
 }
 
 template <class Team, class Physics>

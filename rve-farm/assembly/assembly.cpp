@@ -84,8 +84,9 @@ Assembly::Assembly(const RveParameters& parameters, const Packing& packing) : nu
     allocate(packing.disc_count(), capacity_for(packing.disc_count(), numbers_->skin / mean_radius, packing.contacts.size()));
     import_discs(parameters, packing);
     import_contacts(packing);
-    if (!rebuild_neighbours(view_, columns_))
-        fail(ExitCode::bad_input, "the packing's discs overlap too much for a contact list", "start from a looser packing");
+    const Status built = rebuild_neighbours(view_, columns_);
+    require(built != Status::contact_list_full, "the packing's discs overlap too much for a contact list", "start from a looser packing");
+    require(built == Status::ok, "a disc of the packing lies millions of cells away", "give positions in or near the cell");
 
     // The forces of the positions: a sub-step of no length, in which nothing moves and no bond breaks.
     view_.sub_step = 0;

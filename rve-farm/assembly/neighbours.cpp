@@ -10,6 +10,8 @@
 namespace talik::farm {
 namespace {
 
+constexpr double farthest_image = 1e6; // in cells; discs are wrapped at every rebuild, so an honest one is next door
+
 struct Candidate {
     std::int32_t first, second, image_x, image_y;
     std::int32_t old_slot; // -1: new to the list
@@ -60,13 +62,15 @@ void reduce_and_remap(AssemblyView& s) {
 }
 
 // x <- x - H w; the image of a contact takes up the difference, so that its branch stays what it was.
-void wrap_into_the_cell(AssemblyView& s, Scratch& scratch) {
+// False where a disc is not a number, or so far away that its image is none.
+bool wrap_into_the_cell(AssemblyView& s, Scratch& scratch) {
     const Cell cell(*s.numbers);
     const int discs = s.disc_count();
     scratch.wrap_x.resize(static_cast<std::size_t>(discs));
     scratch.wrap_y.resize(static_cast<std::size_t>(discs));
     for (int i = 0; i < discs; ++i) {
         const double wx = std::floor(cell.reduced_x(s.x[i], s.y[i])), wy = std::floor(cell.reduced_y(s.x[i], s.y[i]));
+        if (!(std::abs(wx) < farthest_image && std::abs(wy) < farthest_image)) return false;
         scratch.wrap_x[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(wx);
         scratch.wrap_y[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(wy);
         if (wx == 0 && wy == 0) continue;
@@ -78,6 +82,7 @@ void wrap_into_the_cell(AssemblyView& s, Scratch& scratch) {
         s.image_x[c] += scratch.wrap_x[j] - scratch.wrap_x[i];
         s.image_y[c] += scratch.wrap_y[j] - scratch.wrap_y[i];
     }
+    return true;
 }
 
 // A reduction may turn the image of a self-contact to the other side: then its two ends swap, and with them the sign of
@@ -242,10 +247,10 @@ bool list_is_spent(const AssemblyNumbers& n) {
     return !(std::exp(-n.strain_bound) * (reach + n.skin) - 2 * n.displacement_bound > reach);
 }
 
-bool rebuild_neighbours(AssemblyView& s, const ColumnChoice& columns, Search search) {
+Status rebuild_neighbours(AssemblyView& s, const ColumnChoice& columns, Search search) {
     thread_local Scratch scratch;
     reduce_and_remap(s);
-    wrap_into_the_cell(s, scratch);
+    if (!wrap_into_the_cell(s, scratch)) return Status::not_finite;
     keep_own_images_canonical(s);
 
     AssemblyNumbers& n = *s.numbers;
@@ -261,7 +266,7 @@ bool rebuild_neighbours(AssemblyView& s, const ColumnChoice& columns, Search sea
         else find_by_brute_force(s, cell, i, reach, scratch.candidates);
         find_old_slots(s, columns, i, begin, scratch.candidates);
         std::sort(scratch.candidates.begin() + static_cast<std::ptrdiff_t>(begin), scratch.candidates.end(), before);
-        if (scratch.candidates.size() > static_cast<std::size_t>(n.contact_capacity)) return false;
+        if (scratch.candidates.size() > static_cast<std::size_t>(n.contact_capacity)) return Status::contact_list_full;
     }
     flush_energies(s, columns);
     reorder_contacts(s, columns, scratch);
@@ -270,7 +275,7 @@ bool rebuild_neighbours(AssemblyView& s, const ColumnChoice& columns, Search sea
     n.displacement_bound = n.strain_bound = 0;
     n.omega_squared_bound = -1; // of another list: to be found again when it is asked for
     ++n.rebuilds;
-    return true;
+    return Status::ok;
 }
 
 } // namespace talik::farm

@@ -1,6 +1,7 @@
 #pragma once
 // The list of candidate contacts, with a skin: who could touch before the discs have moved, or the cell has stretched, by
 // more than a bound. Canonical order (first, second, image), so that the same state gives the same list and bits.
+#include "rve-farm/assembly/answer.hpp"
 #include "rve-farm/assembly/columns.hpp"
 
 namespace talik::farm {
@@ -12,9 +13,10 @@ enum class Search { automatic, linked_cells, brute_force };
 bool list_is_spent(const AssemblyNumbers& numbers);
 
 // Reduces the basis, wraps the discs into the cell, finds the candidates and carries over what the contacts remember:
-// forces, tangential forces, bonds. Bonded pairs are kept however far apart. False: the list is full, and unchanged.
+// forces, tangential forces, bonds. Bonded pairs are kept however far apart. Answers contact_list_full, or not_finite where
+// a disc is nowhere near the cell: the RVE is then to be restored from a saved state.
 // Scratch memory belongs to the thread, and grows to the largest assembly it has seen.
-bool rebuild_neighbours(AssemblyView& s, const ColumnChoice& columns, Search search = Search::automatic);
+Status rebuild_neighbours(AssemblyView& s, const ColumnChoice& columns, Search search = Search::automatic);
 
 // owned_begin: the contacts whose `first` is a disc, which are contiguous.
 void index_owned(AssemblyView& s);

@@ -74,6 +74,11 @@ TEST_CASE("a request that is no number, and discs that explode, are statuses and
     CHECK(samples::step(farm, {0, 0, 0, 0}, 1e-3).status == Status::ok); // refused requests have changed nothing
     farm.assembly(0).view().velocity_x[3] = 1e6; // m/s: ten metres in a sub-step
     CHECK(samples::step(farm, {0, 0, 0, 0}, 1e-3).status == Status::not_finite);
-    farm.assembly(0).view().velocity_x[3] = std::nan("");
-    CHECK(samples::step(farm, {0, 0, 0, 0}, 1e-3).status == Status::not_finite);
+    for (int disc = 0; disc < 31; ++disc) { // whichever it is
+        Farm other(parameters, {samples::disordered(31)}, {0});
+        other.assembly(0).view().velocity_x[disc] = std::nan("");
+        const Status status = samples::step(other, {0, 0, 0, 0}, 1e-5, 1).status;
+        CHECK(status == Status::not_finite);
+        CHECK(other.assembly(0).numbers().rebuilds == 1); // seen before it reached the neighbours
+    }
 }

@@ -12,8 +12,8 @@ TEST_CASE("linked cells find the same candidates in the same order as all pairs 
         for (int k = 0; k < 40; ++k) // also in a skewed cell
             for (int id : {0, 1}) samples::step(farm, {0, 8e-3, 0, 0}, 8e-3, 80, 1, id);
         Assembly &a = farm.assembly(0), &b = farm.assembly(1);
-        REQUIRE(rebuild_neighbours(a.view(), a.columns(), Search::linked_cells));
-        REQUIRE(rebuild_neighbours(b.view(), b.columns(), Search::brute_force));
+        REQUIRE(rebuild_neighbours(a.view(), a.columns(), Search::linked_cells) == Status::ok);
+        REQUIRE(rebuild_neighbours(b.view(), b.columns(), Search::brute_force) == Status::ok);
         CHECK(a.view().contact_count() > discs);
         CHECK(samples::same_bits(farm, 0, farm, 1));
     }
@@ -26,7 +26,7 @@ TEST_CASE("a rebuild changes nothing that a contact remembers", "[neighbours]") 
     farm.activate_bonds();
     const Answer before = samples::step(farm, {0, 2e-4, 0, 0}, 1e-3);
     Assembly& rve = farm.assembly(0);
-    for (int k = 0; k < 3; ++k) REQUIRE(rebuild_neighbours(rve.view(), rve.columns()));
+    for (int k = 0; k < 3; ++k) REQUIRE(rebuild_neighbours(rve.view(), rve.columns()) == Status::ok);
     const Answer after = farm.measure(0);
     CHECK(after.bonds == before.bonds);
     CHECK(after.contacts == before.contacts);
