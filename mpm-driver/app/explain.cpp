@@ -62,9 +62,9 @@ void explain_steps(const Scene& scene, const Grid& grid, const Points& points, c
         return;
     }
     row("mechanical limit (42)", std::isfinite(limit.step) ? describe(limit, scene.domain.cell) : "not known before the start: these packings do not tell their stiffness");
-    const double step = scene.step.fixed.value_or(scene.step.safety * limit.step);
+    const double step = scene.step.fixed.value_or(scene.step.safety * std::min(limit.step, limit.surface_step));
     row("mechanical step", scene.step.fixed ? fmt::format("{:.3g} s, fixed by the scene{}", step, step > limit.step ? ": BEYOND THE LIMIT, the run will be refused" : "")
-                                            : fmt::format("{:.3g} s now: safety {:.3g} times the limit", step, scene.step.safety));
+                                            : fmt::format("{:.3g} s now: safety {:.3g} times the smaller of that and the limit of free surfaces", step, scene.step.safety));
     double duration = 0.0;
     for (const StageSpec& stage : scene.stages) duration += stage.duration;
     const double steps = std::ceil(duration / step);

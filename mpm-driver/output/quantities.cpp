@@ -71,12 +71,14 @@ std::vector<HistoryValue> history_values(const Simulation& simulation) {
         {"energy_wall_friction_J", ledger.wall_friction},
         {"energy_wall_impact_J", ledger.wall_impact},
         {"energy_transfer_J", ledger.transfer},
+        {"energy_strain_transfer_J", ledger.strain_transfer},
         {"energy_pic_J", ledger.pic},
         {"energy_grid_damping_J", ledger.grid_damping},
         {"energy_particle_damping_J", ledger.particle_damping},
         {"balance_mass", ledger.mass_error()},
         {"balance_momentum", ledger.momentum_error()},
         {"balance_energy", ledger.energy_error()},
+        {"numerical_loss", ledger.numerical_loss()},
     };
     out.insert(out.end(), rest.begin(), rest.end());
     return out;

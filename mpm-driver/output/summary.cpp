@@ -74,7 +74,7 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
     for (const auto& [stage, seconds] : facts.stage_seconds) json["wall_seconds"][stage] = seconds;
     json["cpu_seconds"] = facts.cpu_seconds;
     json["waiting_seconds"] = {{"driver", facts.waiting_driver}, {"farm", facts.waiting_farm ? Json(*facts.waiting_farm) : Json()}};
-    json["balance"] = {{"mass", ledger.mass_error()}, {"momentum", ledger.momentum_error()}, {"energy", ledger.energy_error()}, {"heat", nullptr}};
+    json["balance"] = {{"mass", ledger.mass_error()}, {"momentum", ledger.momentum_error()}, {"energy", ledger.energy_error()}, {"heat", nullptr}, {"numerical_loss", ledger.numerical_loss()}};
     json["energy_J"] = {{"input", ledger.input_work()}, {"kinetic", ledger.kinetic}, {"internal_work", ledger.internal_work},
                         {"stored", ledger.law_stored}, {"dissipated_in_material", ledger.law_dissipation}, {"pic", ledger.pic},
                         {"transfer", ledger.transfer}, {"grid_damping", ledger.grid_damping},
@@ -94,7 +94,7 @@ std::string summary_table(const Simulation& simulation, const RunFacts& facts) {
     if (facts.rves > 0) row("RVE evaluations", fmt::format("{} ({} with extra sub-steps)", facts.evaluations_done, facts.split_steps));
     row("wall time", fmt::format("{} ({:.1f} s)", readable_duration(facts.wall_seconds), facts.wall_seconds));
     if (facts.rves > 0) row("waiting", fmt::format("driver {:.1f} s, farm {}", facts.waiting_driver, facts.waiting_farm ? fmt::format("{:.1f} s", *facts.waiting_farm) : "unknown"));
-    row("balance errors", fmt::format("mass {:.1e}, momentum {:.1e}, energy {:.1e}", ledger.mass_error(), ledger.momentum_error(), ledger.energy_error()));
+    row("balance errors", fmt::format("mass {:.1e}, momentum {:.1e}, energy {:.1e}; numerical loss {:.1e} of the input work", ledger.mass_error(), ledger.momentum_error(), ledger.energy_error(), ledger.numerical_loss()));
     for (const auto& warning : facts.warnings) row("warning", warning);
     return text;
 }

@@ -89,7 +89,7 @@ TEST_CASE("a scene is read in SI units") {
     REQUIRE(s.rve);
     CHECK(s.rve->packing.void_ratio == 0.161);
     CHECK(s.rve->packing.radius_min == 2.5e-3);
-    CHECK(s.rve->parameters.time_step == 2e-5);
+    CHECK(s.rve->parameters.time_step == 2.4e-5);
     CHECK(s.rve->parameters.contact.friction == 0.5);
     CHECK_FALSE(s.rve->parameters.bond);
     CHECK_FALSE(s.elastic);

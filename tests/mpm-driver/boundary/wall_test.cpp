@@ -26,7 +26,7 @@ void set_velocity(Grid& grid, Field&& field) {
 
 } // namespace
 
-TEST_CASE("a velocity field linear in the normal direction that satisfies a wall is left alone, wherever its face stands") {
+TEST_CASE("a velocity field linear in the normal direction that satisfies a wall is left alone, wherever its face stands", "[wall]") {
     const std::string side = GENERATE("left", "right", "bottom", "top");
     const double face = GENERATE(0.5, 0.5 + 1e-13, 0.51, 0.537, 0.5999999, 0.6);
     Grid grid = grid_with_mass();
@@ -44,7 +44,7 @@ TEST_CASE("a velocity field linear in the normal direction that satisfies a wall
     CHECK(walls[0].reaction().force.norm() < 1e-13 / 1e-3 * 40.0); // the same, times the mass of four rows over dt
 }
 
-TEST_CASE("a wall gives the grid its velocity at the face with the least change of momentum, and its impulse is that change") {
+TEST_CASE("a wall gives the grid its velocity at the face with the least change of momentum, and its impulse is that change", "[wall]") {
     const double face = GENERATE(0.5, 0.537, 0.549); // beyond half a cell a third row takes part
     Grid grid = grid_with_mass();
     for (int j = 0; j < 6; ++j) // no material beneath row 0.5 m: two rows take part
@@ -70,7 +70,7 @@ TEST_CASE("a wall gives the grid its velocity at the face with the least change 
     CHECK(walls[0].reaction().force[1] == Approx(impulse / 1e-3).epsilon(1e-12));
 }
 
-TEST_CASE("the reaction of a plate is continuous as its face crosses a node row") {
+TEST_CASE("the reaction of a plate is continuous as its face crosses a node row", "[wall]") {
     // A block between two plates; the upper one pushes it down at constant speed, its face passing a row of nodes. The
     // block has no weight and the plate is slow, so the reaction is elastic resistance, and must not jump.
     BodySpec body = box({0.3, 0.3}, {0.7, 0.905});
@@ -103,7 +103,7 @@ TEST_CASE("the reaction of a plate is continuous as its face crosses a node row"
     CHECK(largest_smooth_change < 1e-3 * force);
 }
 
-TEST_CASE("a wall that separates only pushes") {
+TEST_CASE("a wall that separates only pushes", "[wall]") {
     Grid grid = grid_with_mass();
     WallSpec spec = wall("bottom", 0.5);
     spec.separates = true;
@@ -120,7 +120,7 @@ TEST_CASE("a wall that separates only pushes") {
     for (int i = 0; i < grid.nodes(0); ++i) CHECK(std::abs(grid.velocity[static_cast<std::size_t>(grid.node(i, 6))][1]) < 1e-16);
 }
 
-TEST_CASE("a block slides on a rough wall with the deceleration mu g, and its friction is booked") {
+TEST_CASE("a block slides on a rough wall with the deceleration mu g, and its friction is booked", "[wall]") {
     BodySpec body = box({0.3, 0.2}, {0.7, 0.4});
     body.velocity = {1.0, 0.0};
     Scene scene = elastic_scene(body, {0, 0}, {3, 1});
@@ -144,7 +144,7 @@ TEST_CASE("a block slides on a rough wall with the deceleration mu g, and its fr
     CHECK(ledger.energy_error() < 0.01);
 }
 
-TEST_CASE("a moving wall's position is the integral of its velocity for any step") {
+TEST_CASE("a moving wall's position is the integral of its velocity for any step", "[wall]") {
     const Grid grid({0, 0}, {1, 1}, 0.1, 1.0);
     for (const int steps : {1, 7, 1000}) {
         WallMotion motion(0.5, -0.1, 0.2);
@@ -156,7 +156,7 @@ TEST_CASE("a moving wall's position is the integral of its velocity for any step
     }
 }
 
-TEST_CASE("a wall outside the domain is refused by name") {
+TEST_CASE("a wall outside the domain is refused by name", "[wall]") {
     const Grid grid({0, 0}, {1, 1}, 0.1, 1.0);
     CHECK(says(fault_of([&] { Wall(wall("top", 1.05), grid); }), "wall 'top' at 1.05 m stands outside the domain"));
     CHECK(says(fault_of([&] { Wall(wall("up", 0.5), grid); }), "side is 'up'"));

@@ -7,7 +7,7 @@ using namespace talik;
 using namespace talik::driver;
 using namespace talik::driver::tests;
 
-TEST_CASE("the energy ledger of a block pressed between rough plates closes to 1 % of the input work", "[eq22][eq34]") {
+TEST_CASE("the energy ledger of a block pressed between rough plates closes to 1 % of the input work", "[eq22][eq34][ledger]") {
     const double pic = GENERATE(0.0, 0.05);
     Scene scene = elastic_scene(box({0.4, 0.3}, {0.8, 1.1}), {0, 0}, {1.2, 1.5});
     scene.bodies[0].stress = {-1e5, -1e5, 0.0};
@@ -37,7 +37,7 @@ TEST_CASE("the energy ledger of a block pressed between rough plates closes to 1
     CHECK(l.mass_error() < 1e-13);
 }
 
-TEST_CASE("a block that falls, bounces and is damped keeps its books", "[eq34]") {
+TEST_CASE("a block that falls, bounces and is damped keeps its books", "[eq34][ledger]") {
     Scene scene = elastic_scene(box({0.3, 0.35}, {0.7, 0.75}), {0, 0}, {1, 1.5});
     scene.walls = {wall("bottom", 0.2)};
     scene.walls[0].separates = true;
@@ -53,7 +53,7 @@ TEST_CASE("a block that falls, bounces and is damped keeps its books", "[eq34]")
     CHECK(std::abs(l.energy_residual()) < 0.01 * 320.0 * 10.0 * 0.15); // of the energy of its fall
 }
 
-TEST_CASE("the energy of a free vibration is kept without PIC and damping, and what PIC takes is booked", "[eq34]") {
+TEST_CASE("the energy of a free vibration is kept without PIC and damping, and what PIC takes is booked", "[eq34][ledger]") {
     const double pic = GENERATE(0.0, 0.01);
     Scene scene = elastic_scene(box({0, 0}, {1, 0.2}), {-0.2, -0.2}, {1.4, 0.6});
     scene.walls = {wall("left", 0), wall("right", 1), wall("bottom", 0), wall("top", 0.2)};

@@ -21,7 +21,7 @@ TEST_CASE("the exponential of a sum of commuting parts is their product, and inv
     CHECK(std::abs(exponential(a).determinant() - std::exp(a.trace())) < 1e-15);
 }
 
-TEST_CASE("the logarithmic strain of a stretch is the logarithm of its lengths, whatever the rotation before it") {
+TEST_CASE("the logarithmic strain of a stretch is the logarithm of its lengths, whatever the rotation before it", "[eq48]") {
     Matrix stretch;
     stretch << 1.3, 0.0, 0.0, 0.7;
     const Matrix strain = logarithmic_strain(stretch * rotation(0.8));
