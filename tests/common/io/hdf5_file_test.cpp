@@ -6,12 +6,13 @@
 #include "common/base/error.hpp"
 #include "common/base/version.hpp"
 #include "tests/support/text.hpp"
+#include "tests/support/temporary_file.hpp"
 
 using namespace talik;
 
 namespace {
 
-const std::string path = TALIK_BINARY_DIR "/hdf5_test.h5";
+const std::string path = test_file("hdf5_test.h5");
 
 Error error_of(const std::function<void()>& action) {
     try {

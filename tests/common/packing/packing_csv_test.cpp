@@ -3,6 +3,7 @@
 #include "common/base/error.hpp"
 #include "common/packing/packing_csv.hpp"
 #include "tests/support/text.hpp"
+#include "tests/support/temporary_file.hpp"
 
 using namespace talik;
 
@@ -25,7 +26,7 @@ Matrix stress_of(const Packing& p, double normal_stiffness) {
 }
 
 std::string problem_of(const std::string& discs, const std::string& contacts = "") {
-    const std::string discs_file = TALIK_BINARY_DIR "/csv_test_discs.csv", contacts_file = TALIK_BINARY_DIR "/csv_test_contacts.csv";
+    const std::string discs_file = test_file("csv_test_discs.csv"), contacts_file = test_file("csv_test_contacts.csv");
     std::ofstream(discs_file) << discs;
     std::ofstream(contacts_file) << contacts;
     try {
@@ -62,8 +63,8 @@ TEST_CASE("the shear stress of the reference packing needs the sign of its tange
 }
 
 TEST_CASE("discs alone make a packing at rest without contacts") {
-    std::ofstream(TALIK_BINARY_DIR "/csv_test_simple.csv") << two_discs;
-    const Packing p = read_packing_csv(TALIK_BINARY_DIR "/csv_test_simple.csv");
+    std::ofstream(test_file("csv_test_simple.csv")) << two_discs;
+    const Packing p = read_packing_csv(test_file("csv_test_simple.csv"));
     CHECK(p.disc_count() == 2);
     CHECK(p.contacts.empty());
     CHECK(p.velocity_x.empty());
@@ -72,9 +73,9 @@ TEST_CASE("discs alone make a packing at rest without contacts") {
 
 TEST_CASE("a contact across the cell's edge gets the image that its normal asks for") {
     const std::string across = "# cell_h00=0.1 cell_h01=0 cell_h10=0 cell_h11=0.1\nx,y,radius\n0.001,0.05,0.005\n0.0911,0.05,0.005\n";
-    std::ofstream(TALIK_BINARY_DIR "/csv_test_a.csv") << across;
-    std::ofstream(TALIK_BINARY_DIR "/csv_test_b.csv") << "id1,id2,nx,ny,overlap,ftx,fty\n0,1,-1,0,1e-4,0,3\n";
-    const Packing p = read_packing_csv(TALIK_BINARY_DIR "/csv_test_a.csv", TALIK_BINARY_DIR "/csv_test_b.csv");
+    std::ofstream(test_file("csv_test_a.csv")) << across;
+    std::ofstream(test_file("csv_test_b.csv")) << "id1,id2,nx,ny,overlap,ftx,fty\n0,1,-1,0,1e-4,0,3\n";
+    const Packing p = read_packing_csv(test_file("csv_test_a.csv"), test_file("csv_test_b.csv"));
     REQUIRE(p.contacts.size() == 1);
     CHECK(p.contacts[0].image == std::array<int, 2>{-1, 0});
     CHECK(p.contacts[0].tangential_force == Approx(-3.0)); // t = (-n_y, n_x) = (0, -1)

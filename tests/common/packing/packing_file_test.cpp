@@ -4,12 +4,13 @@
 #include "common/io/hdf5_file.hpp"
 #include "common/packing/packing_csv.hpp"
 #include "tests/support/text.hpp"
+#include "tests/support/temporary_file.hpp"
 
 using namespace talik;
 
 namespace {
 
-const std::string path = TALIK_BINARY_DIR "/packing_test.h5";
+const std::string path = test_file("packing_test.h5");
 
 std::string problem_of_reading(const std::string& file) {
     try {

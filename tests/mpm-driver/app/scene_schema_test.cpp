@@ -6,13 +6,14 @@
 #include "common/base/error.hpp"
 #include "common/io/text_file.hpp"
 #include "tests/support/text.hpp"
+#include "tests/support/temporary_file.hpp"
 
 using namespace talik;
 using namespace talik::driver;
 
 namespace {
 
-const std::string path = TALIK_BINARY_DIR "/scene_test.toml";
+const std::string path = test_file("scene_test.toml");
 const std::string cases = TALIK_SOURCE_DIR "/cases/biaxial/";
 
 const std::string sound = R"(
@@ -47,7 +48,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 std::string faults_of(const std::string& text, const std::vector<std::string>& overrides = {}) {
     write_file_atomically(path, text);
     std::string lines;
-    for (const auto& fault : check_scene(path, overrides)) lines += replaced(fault.text() + "\n", TALIK_BINARY_DIR "/", "");
+    for (const auto& fault : check_scene(path, overrides)) lines += replaced(fault.text() + "\n", test_file(""), "");
     return lines;
 }
 

@@ -4,13 +4,14 @@
 #include "common/io/text_file.hpp"
 #include "common/scene/rve_tables.hpp"
 #include "tests/support/text.hpp"
+#include "tests/support/temporary_file.hpp"
 
 using namespace talik;
 using namespace talik::farm;
 
 namespace {
 
-const std::string path = TALIK_BINARY_DIR "/specification_test.toml";
+const std::string path = test_file("specification_test.toml");
 const std::string sound = "[rve.packing]\nvoid_ratio = 0.2\n[test]\npath = \"biaxial\"\n";
 
 std::string problem_of(const std::string& text, bool element = true) {

@@ -7,6 +7,7 @@
 #include "common/packing/packing_csv.hpp"
 #include "rve-farm/element/element_output.hpp"
 #include "tests/support/text.hpp"
+#include "tests/support/temporary_file.hpp"
 
 using namespace talik;
 using namespace talik::farm;
@@ -113,7 +114,7 @@ TEST_CASE("many RVEs side by side give the curves that each gives alone, for any
 }
 
 TEST_CASE("files of an element test hold the curves, compression positive, and their mean and standard deviation") {
-    const std::string folder = TALIK_BINARY_DIR "/element_files";
+    const std::string folder = test_file("element_files");
     ElementRow a, b;
     a.strain_yy = b.strain_yy = -0.01;
     a.answer.stress = {-1e5, -2e5, 3.0};
