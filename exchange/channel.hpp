@@ -30,6 +30,7 @@ public:
 
     // Why this side is about to end, in one line, for the partner to quote. The first cause stays.
     virtual void state_cause(const std::string& cause) noexcept = 0;
+    virtual std::string partner_cause() const = 0; // its own, where it stated one; else empty
     // This side was asked to end (Ctrl-C, SIGTERM), and would like the partner to bring the run to an orderly end.
     virtual void wish_to_end() noexcept = 0;
     virtual bool partner_wishes_to_end() const noexcept = 0;

@@ -60,6 +60,10 @@ public:
         if (own().cause.empty()) own().cause = cause;
         shared_->changed.notify_all();
     }
+    std::string partner_cause() const override {
+        const std::lock_guard lock(shared_->mutex);
+        return partner().cause;
+    }
     void wish_to_end() noexcept override {
         const std::lock_guard lock(shared_->mutex);
         own().wishes_to_end = true;

@@ -44,6 +44,7 @@ public:
         wake_partner();
     }
     void wish_to_end() noexcept override { own().wishes_to_end = 1; }
+    std::string partner_cause() const override { return partner().cause_state == 2 ? std::string(partner().cause) : std::string(); }
     bool partner_wishes_to_end() const noexcept override { return partner().wishes_to_end != 0; }
 
 protected:

@@ -13,6 +13,9 @@ namespace {
 
 // HDF5 prints its own faults unless told not to: ours are one line each. Old enough a layout for every reader of 1.10.
 hid_t silent_access() {
+    // No clean-up at exit: after a file that a full disk cut short it would end the process by SIGSEGV. Files close themselves.
+    static const herr_t once = H5dont_atexit();
+    static_cast<void>(once);
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
     H5Pset_libver_bounds(access, H5F_LIBVER_EARLIEST, H5F_LIBVER_V110);

@@ -36,7 +36,8 @@ inline std::string error_stack() {
 }
 
 inline bool disk_is_full(const std::string& stack) {
-    return stack.find("No space left") != std::string::npos || stack.find("quota") != std::string::npos;
+    return stack.find("No space left") != std::string::npos || stack.find("quota") != std::string::npos ||
+           stack.find("File too large") != std::string::npos;
 }
 
 [[noreturn]] inline void fail_to_write(const std::string& place) {

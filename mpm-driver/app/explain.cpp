@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/progress.hpp"
+#include "common/physics/clock.hpp"
 #include "mpm-driver/app/laws.hpp"
 #include "mpm-driver/app/packings.hpp"
 #include "mpm-driver/app/scene_schema.hpp"
@@ -71,11 +71,11 @@ void explain_steps(const Scene& scene, const Grid& grid, const Points& points, c
     row("simulated time", fmt::format("{:.4g} s in {} stage(s), about {:.3g} mechanical steps", duration, scene.stages.size(), steps));
     if (!scene.rve) return;
     const RveParameters& p = scene.rve->parameters;
-    const double substeps = p.substeps > 0 ? p.substeps : std::ceil(step / p.time_step);
+    const int substeps = substeps_of(p, step);
     if (facts.stable_step > 0.0) row("DEM limit 2/omega_max", fmt::format("{:.3g} s, of the stiffest packing's contacts", facts.stable_step));
-    row("DEM sub-step", fmt::format("{:.3g} s: {:.0f} per mechanical step", step / substeps, substeps));
+    row("DEM sub-step", fmt::format("{:.3g} s: {} per mechanical step", step / substeps, substeps));
     const double work = static_cast<double>(facts.rves) * steps * substeps;
-    row("RVE sub-steps", fmt::format("{:.3g} ({} RVEs x {:.3g} steps x {:.0f})", work, facts.rves, steps, substeps));
+    row("RVE sub-steps", fmt::format("{:.3g} ({} RVEs x {:.3g} steps x {})", work, facts.rves, steps, substeps));
 }
 
 } // namespace

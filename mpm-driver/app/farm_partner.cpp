@@ -36,7 +36,7 @@ FarmPartner::FarmPartner(const PartnerOptions& options) : run_id_(fresh_run_id()
     channel_ = exchange::make_shm_channel(name, limits);
     if (!options.exchange.empty()) return;
     std::vector<std::string> command = {sibling_program("rve-farm").string(), "serve", "--exchange", "shm:" + name, "--backend", options.backend,
-                                        "--stall-seconds", fmt::format("{}", options.stall_seconds)};
+                                        "--launched", "--stall-seconds", fmt::format("{}", options.stall_seconds)};
     if (options.threads > 0) command.insert(command.end(), {"--threads", std::to_string(options.threads)});
     if (options.quiet) command.push_back("--quiet");
     process_ = std::make_unique<exchange::LaunchedProcess>(command);

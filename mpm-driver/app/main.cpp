@@ -87,7 +87,7 @@ int main(int argc, char** argv) {
     check_command->add_option("--set", set, "KEY=VALUE: overrides a key of the scene (repeatable)");
     check_command->callback([&] { exit = check(scene, set); });
 
-    const int code = run_program([&] {
+    return run_program([&] {
         try {
             app.parse(argc, argv);
         } catch (const CLI::ParseError& error) {
@@ -104,9 +104,4 @@ int main(int argc, char** argv) {
         }
         return exit;
     });
-    if (code == 0) return 0;
-    // After a file that a full disk cut short, HDF5's own clean-up at exit ends the process by SIGSEGV: the exit code
-    // counts, and nothing of ours is left to be cleaned up.
-    std::fflush(nullptr);
-    std::quick_exit(code);
 }

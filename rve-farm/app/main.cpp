@@ -13,7 +13,8 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     talik::farm::add_pack(app);
     talik::farm::add_element(app);
-    talik::farm::add_serve(app);
+    int exit = 0;
+    talik::farm::add_serve(app, exit);
     return talik::run_program([&] {
         try {
             app.parse(argc, argv);
@@ -21,6 +22,6 @@ int main(int argc, char** argv) {
             if (error.get_exit_code() == 0) return app.exit(error); // --help, --version
             talik::fail(talik::ExitCode::bad_input, error.what(), "see rve-farm --help");
         }
-        return 0;
+        return exit;
     });
 }

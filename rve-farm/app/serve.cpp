@@ -21,6 +21,7 @@ struct ServeOptions {
     int threads = 0;
     double stall_seconds = 120.0, attach_seconds = 60.0;
     bool quiet = false;
+    bool launched = false; // by a driver, which quotes what goes wrong here: on one terminal one fault is one line
 };
 
 std::unique_ptr<exchange::Channel> join(const ServeOptions& options) {
@@ -33,22 +34,29 @@ std::unique_ptr<exchange::Channel> join(const ServeOptions& options) {
     return exchange::join_shm_channel(options.exchange.substr(shm.size()), limits);
 }
 
-void serve(const ServeOptions& options) {
+int serve(const ServeOptions& options) {
     require(options.backend != "cuda", "--backend cuda: this build of rve-farm has no CUDA backend", "use --backend cpu");
     require(options.precision == "double", "--precision " + options.precision + ": this build of rve-farm computes in double only",
             "use --precision double");
     log::start("rve-farm", options.quiet);
     watch_interrupts();
     const auto channel = join(options);
-    exchange::with_cause(*channel, [&] {
-        Service service(options.threads);
-        exchange::FarmEnd(*channel, service, "rve-farm " + version()).serve();
-    });
+    try {
+        exchange::with_cause(*channel, [&] {
+            Service service(options.threads);
+            exchange::FarmEnd(*channel, service, "rve-farm " + version()).serve();
+        });
+    } catch (const Error& error) {
+        const bool known_to_the_driver = error.code() != ExitCode::partner_lost || !channel->partner_cause().empty();
+        if (!options.launched || !known_to_the_driver) throw;
+        return static_cast<int>(error.code());
+    }
+    return 0;
 }
 
 } // namespace
 
-void add_serve(CLI::App& app) {
+void add_serve(CLI::App& app, int& exit) {
     auto options = std::make_shared<ServeOptions>();
     CLI::App* command = app.add_subcommand("serve", "Answers a driver: strain increments in, stresses out");
     command->footer("Examples:\n"
@@ -60,7 +68,8 @@ void add_serve(CLI::App& app) {
     command->add_option("--stall-seconds", options->stall_seconds, "how long a silent driver is waited for")->check(CLI::PositiveNumber);
     command->add_option("--attach-seconds", options->attach_seconds, "how long the exchange is waited for")->check(CLI::PositiveNumber);
     command->add_flag("--quiet", options->quiet, "warnings and errors only");
-    command->callback([options] { serve(*options); });
+    command->add_flag("--launched", options->launched, "by a driver that quotes the farm's faults: they are not printed here as well")->group("");
+    command->callback([options, &exit] { exit = serve(*options); });
 }
 
 } // namespace talik::farm

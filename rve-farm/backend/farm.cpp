@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "common/base/error.hpp"
+#include "common/physics/clock.hpp"
 #include "common/team/cpu_team.hpp"
 #include "rve-farm/assembly/advance.hpp"
 #include "rve-farm/assembly/measure.hpp"
@@ -27,13 +28,6 @@ void check_step(const Assembly& assembly, const ContactLaw<double>& contact, dou
     require(time_step <= stable,
             fmt::format("the DEM time step of {:.3g} s is unstable for packing {}", time_step, packing),
             fmt::format("the largest stable step of its contact network is {:.3g} s; take a fraction of it", stable));
-}
-
-int sub_steps(const RveParameters& parameters, double time_increment, int asked) {
-    if (asked > 0) return asked;
-    if (parameters.substeps > 0) return parameters.substeps;
-    // Not one more for the last bit of a quotient such as 1e-3 / 1e-5.
-    return std::max(1, static_cast<int>(std::ceil(time_increment / parameters.time_step * (1 - 1e-9))));
 }
 
 double bond_strength(const NoBond&, std::span<const double>, std::size_t) { return 0; }
@@ -82,7 +76,7 @@ void Farm::advance(std::span<const std::uint32_t> ids, std::span<const double> i
     ensure(ice_saturation.empty() || ice_saturation.size() == ids.size());
     require(time_increment > 0, "the time increment of a macro step is not positive", "give it in s");
     for (std::uint32_t id : ids) require(id < assemblies_.size(), "a step asks for an RVE that the farm does not have", "check the ids");
-    const int asked = sub_steps(parameters_, time_increment, substeps);
+    const int asked = substeps > 0 ? substeps : substeps_of(parameters_, time_increment);
     const int count = static_cast<int>(ids.size());
     const int threads = std::max(1, std::min(options_.threads, count)); // a thread without an RVE would only be waited for
     std::visit(
