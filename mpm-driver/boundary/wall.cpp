@@ -64,11 +64,12 @@ double Wall::face_speed(const std::vector<Vector>& velocity, const Grid& grid, c
 
 void Wall::start_step(const Grid& grid, double dt, double confining_pressure) {
     locate_face(grid); // where the points are: at the start of the step
+    held_velocity_ = velocity_; // v^n belongs to the wall's velocity of the last step: the points then gain its acceleration
     velocity_ = motion_.advance(dt);
     dt_ = dt;
     pressure_ = confining_pressure;
     for (Line& line : lines_) {
-        line.normal_impulse = line.tangential_impulse = line.held_normal = line.held_tangential = 0.0;
+        line.normal_impulse = line.tangential_impulse = line.held_normal = line.held_tangential = line.held_work = 0.0;
         measure_line(grid, line);
     }
 }
@@ -109,12 +110,21 @@ void Wall::correct(std::vector<Vector>& velocity, const Line& line, int componen
     });
 }
 
+// The wall's velocity in the step before, which the mapped v^n belongs to. Before the first step it either stood or moved as
+// it does now: whichever is nearer to the material's. m/s
+double Wall::held_speed(double face_speed) const {
+    if (!std::isnan(held_velocity_)) return held_velocity_;
+    return std::abs(face_speed) < std::abs(face_speed - velocity_) ? 0.0 : velocity_;
+}
+
 void Wall::hold_mapped_normal(Grid& grid) {
     for (std::size_t k = 0; k < lines_.size(); ++k) {
         if (spec_.separates && touching_[k] == 0.0) continue;
-        const Projection to = project(grid, grid.velocity_before, lines_[k], axis_, velocity_);
-        correct(grid.velocity_before, lines_[k], axis_, velocity_, to.slope, 1.0);
+        const double target = held_speed(face_speed(grid.velocity_before, grid, lines_[k], axis_));
+        const Projection to = project(grid, grid.velocity_before, lines_[k], axis_, target);
+        correct(grid.velocity_before, lines_[k], axis_, target, to.slope, 1.0);
         lines_[k].held_normal += inward_ * to.impulse;
+        lines_[k].held_work += target * to.impulse;
     }
 }
 
@@ -173,13 +183,14 @@ bool Wall::touches(const Line& line) const {
 }
 
 void Wall::finish_step(const Grid& grid, double pic) {
-    double normal = 0.0, tangential = 0.0, held_normal = 0.0, held_tangential = 0.0, area = 0.0, friction = 0.0;
+    double normal = 0.0, tangential = 0.0, held_normal = 0.0, held_tangential = 0.0, held_work = 0.0, area = 0.0, friction = 0.0;
     for (std::size_t k = 0; k < lines_.size(); ++k) {
         const Line& line = lines_[k];
         normal += line.normal_impulse;
         tangential += line.tangential_impulse;
         held_normal += line.held_normal;
         held_tangential += line.held_tangential;
+        held_work += line.held_work;
         touching_[k] = touches(line) ? 1.0 : 0.0;
         area += touching_[k] * line.area;
         if (spec_.kind == "fixed" || spec_.friction == 0.0) continue;
@@ -193,7 +204,7 @@ void Wall::finish_step(const Grid& grid, double pic) {
     reaction_.force = reaction_.impulse / dt_;
     reaction_.force[axis_] += inward_ * pressure_ * area;
     reaction_.work = reaction_.impulse[axis_] * velocity_;
-    reaction_.pic_work = inward_ * pic * held_normal * velocity_;
+    reaction_.pic_work = pic * held_work;
     reaction_.friction_dissipation = friction;
 }
 

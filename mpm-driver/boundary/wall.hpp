@@ -17,6 +17,8 @@
 // face, row j+2 is on the line as well: the slope would otherwise be left to row j alone, which then gives way to the
 // overlapping points until they have no stress, and the reaction would jump as the face passes the row.
 // All this is one mass-weighted projection of the line's nodal velocities on {V + a d_k}, d_k the distances from the face.
+#include <cmath>
+#include <limits>
 #include <vector>
 
 #include "mpm-driver/app/scene.hpp"
@@ -43,7 +45,7 @@ public:
     const std::string& name() const { return spec_.name; }
     const WallSpec& spec() const { return spec_; }
     double position() const { return motion_.position(); } // of the face, m
-    double velocity() const { return velocity_; }          // along its axis in the present step, m/s
+    double velocity() const { return std::isnan(velocity_) ? 0.0 : velocity_; }          // along its axis in the present step, m/s
     int axis() const { return axis_; }                     // of the normal
     const WallReaction& reaction() const { return reaction_; }
 
@@ -68,7 +70,7 @@ private:
         int first_node = 0;              // of the line's rows, at row 0 of the axis
         double normal_impulse = 0.0;     // on the body, along the inward normal, N s
         double tangential_impulse = 0.0; // on the body, along the wall, N s
-        double held_normal = 0.0, held_tangential = 0.0; // what holding the mapped velocity took, N s
+        double held_work = 0.0, held_normal = 0.0, held_tangential = 0.0; // what holding the mapped velocity took, N s
         double face_speed_before = 0.0;  // tangential velocity of the grid at the face before the step, m/s
         double area = 0.0;               // of contact, m^2
     };
@@ -78,6 +80,7 @@ private:
     int innermost_row() const { return fraction_ <= 0.5 ? 1 : 2; }
 
     void locate_face(const Grid& grid);
+    double held_speed(double face_speed) const;
     bool touches(const Line& line) const;
     double friction_limit(const Line& line) const;
     void measure_line(const Grid& grid, Line& line) const;
@@ -92,7 +95,9 @@ private:
     int axis_, tangent_;    // of the normal, and along the wall
     int inward_;            // +1 where the material lies on the side of larger coordinates
     int stride_, axis_nodes_; // from row to row, and rows, along the axis
-    double velocity_ = 0.0, dt_ = 0.0, pressure_ = 0.0;
+    double velocity_ = std::numeric_limits<double>::quiet_NaN(); // of the present step; not a number before the first, m/s
+    double held_velocity_ = 0.0;                                  // of the step before, m/s
+    double dt_ = 0.0, pressure_ = 0.0;
     int outer_row_ = 0;     // row j
     double fraction_ = 0.0; // s in [0, 1): from row j towards the material
     std::vector<Line> lines_;

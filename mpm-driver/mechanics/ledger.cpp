@@ -113,7 +113,7 @@ double Ledger::dissipation() const {
 }
 
 double Ledger::input_work() const {
-    return initial_kinetic + std::abs(wall_work) + std::abs(pressure_work) + std::abs(gravity_work) + std::abs(prescribed_work);
+    return initial_kinetic + std::max(wall_work, 0.0) + std::max(pressure_work, 0.0) + std::max(gravity_work, 0.0) + std::max(prescribed_work, 0.0);
 }
 
 double Ledger::energy_residual() const {

@@ -52,7 +52,7 @@ struct Ledger {
                    const std::vector<Wall>& walls, bool prescribed);
     void book_points(const Points& points, const PointUpdateBooks& books, double work);
 
-    double input_work() const;      // J: kinetic energy at the start and the net works of the boundaries, as magnitudes
+    double input_work() const;      // J: kinetic energy at the start and the works that feed the body (not those it does)
     double dissipation() const;     // J: all the numerical and boundary losses above, without the laws'
     double energy_residual() const; // J: what the balance misses
     double mass_error() const;      // relative: of the points' mass since the start, and of the grid's against it

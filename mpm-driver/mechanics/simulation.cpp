@@ -61,6 +61,7 @@ void Simulation::begin_laws() {
         law_points_[points_.law[p]].ids.push_back(static_cast<std::uint32_t>(p));
     }
     for (LawPoints& group : law_points_) group.law->begin(group.ids, points_, answer_columns());
+    points_.initial_p_wave_modulus = points_.p_wave_modulus;
 }
 
 LawAnswer Simulation::answer_columns() {

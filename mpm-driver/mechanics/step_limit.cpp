@@ -12,7 +12,10 @@ StepLimit mechanical_step_limit(const Grid& grid, const Points& points, const st
     StepLimit limit;
     limit.step = limit.surface_step = std::numeric_limits<double>::infinity();
     for (std::size_t p = 0; p < points.count(); ++p) {
-        const double wave_speed = std::sqrt(points.p_wave_modulus[p] / points.density(p)); // c = sqrt(M/rho), m/s
+        // An RVE that has opened may close again within a step: it counts with at least a quarter of its stiffness at the
+        // start, half its wave speed.
+        const double modulus = std::max(points.p_wave_modulus[p], 0.25 * points.initial_p_wave_modulus[p]);
+        const double wave_speed = std::sqrt(modulus / points.density(p)); // c = sqrt(M/rho), m/s
         const double speed = points.velocity[p].norm();
         const double step = grid.cell() / (wave_speed + speed); // Eq. (42): dt <= h / (c + |v|), s
         // A node at a free surface that a point reaches by o has the mass m_p o^2/(4 h l_p) and the gradient o/(2 h l_p):

@@ -16,6 +16,7 @@ void Points::resize(std::size_t n) {
     volume.resize(n, 0.0);
     stress.resize(n, Stress::Zero());
     p_wave_modulus.resize(n, 0.0);
+    initial_p_wave_modulus.resize(n, 0.0);
     energy.resize(n);
     displacement_gradient_increment.resize(n, Matrix::Zero());
 }

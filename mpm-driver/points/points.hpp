@@ -29,6 +29,7 @@ struct Points {
     std::vector<double> mass;             // m_p, kg
     std::vector<double> initial_volume;   // V_p^0, m^3
     std::vector<Vector> initial_position; // m
+    std::vector<double> initial_p_wave_modulus; // M at the start, Pa: set by the laws
 
     // The state that steps change.
     std::vector<Vector> position;         // x_p, m
