@@ -39,7 +39,7 @@ Table<ContactParameters> contact_table() {
     using C = ContactParameters;
     Table<C> table("Contacts without bond: linear springs and Coulomb friction (Eqs. 5a-c).");
     table.quantity("normal_stiffness", &C::normal_stiffness, stiffness, positive(), "k_n")
-        .quantity("tangential_stiffness", &C::tangential_stiffness, stiffness, not_negative(), "k_t")
+        .quantity("tangential_stiffness", &C::tangential_stiffness, stiffness, positive(), "k_t")
         .number("friction", &C::friction, not_negative(), "Coulomb coefficient mu");
     return table;
 }

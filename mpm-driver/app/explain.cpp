@@ -99,6 +99,8 @@ int explain(const std::string& scene_file, const std::vector<std::string>& set, 
         points.p_wave_modulus[p] = rve ? facts.stiffness : ElasticLaw(*scene.elastic).p_wave_modulus();
     }
 
+    const std::vector<std::string> warnings = scene.rve ? packing_warnings(scene, packings) : std::vector<std::string>();
+
     fmt::print("{} ({}, hash {})\n", scene.title, scene.file, scene.hash);
     explain_effects(scene);
     row("points", fmt::format("{} on {} x {} cells of {:.4g} m", points.count(), std::lround(scene.domain.size.x() / scene.domain.cell),
@@ -110,6 +112,7 @@ int explain(const std::string& scene_file, const std::vector<std::string>& set, 
     }
     row("memory of the driver", "about " + bytes_text(400.0 * static_cast<double>(points.count()) + 100.0 * grid.node_count()));
     explain_steps(scene, grid, points, half_size, facts);
+    for (const std::string& warning : warnings) row("warning", warning);
     row("threads", fmt::format("{}", threads > 0 ? threads : omp_get_max_threads()));
     return 0;
 }

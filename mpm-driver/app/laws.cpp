@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "common/base/error.hpp"
+#include "common/base/log.hpp"
 #include "common/base/version.hpp"
 #include "mpm-driver/app/packings.hpp"
 #include "mpm-driver/constitutive/elastic.hpp"
@@ -15,6 +18,16 @@ double bulk_density(const std::vector<Packing>& packings, double grain_density) 
     return sum / static_cast<double>(packings.size());
 }
 
+std::vector<std::string> packing_warnings(const Scene& scene, const std::vector<Packing>& packings) {
+    std::vector<std::string> warnings;
+    double pressure = 0.0; // Pa, mean over the packings
+    for (const Packing& packing : packings) pressure += packing.pressure / static_cast<double>(packings.size());
+    if (scene.confining_pressure > 0.0 && pressure > 0.0 && std::abs(pressure - scene.confining_pressure) > 0.01 * scene.confining_pressure)
+        warnings.push_back(fmt::format("the packings were prepared at {:.4g} Pa, the confining pressure is {:.4g} Pa: the run starts with a shock",
+                                       pressure, scene.confining_pressure));
+    return warnings;
+}
+
 SceneLaws make_laws(Scene& scene, const RunOptions& options) {
     SceneLaws out;
     if (scene.elastic) out.laws_["elastic"] = std::make_unique<ElasticLaw>(*scene.elastic);
@@ -24,6 +37,8 @@ SceneLaws make_laws(Scene& scene, const RunOptions& options) {
         setup.packings = obtain_packings(*scene.rve, options.threads, options.quiet);
         for (BodySpec& body : scene.bodies)
             if (body.law == "rve" && !body.density) body.density = bulk_density(setup.packings, setup.parameters.grain_density);
+        out.warnings_ = packing_warnings(scene, setup.packings);
+        for (const std::string& warning : out.warnings_) log::warn("{}", warning);
         out.partner_ = std::make_unique<FarmPartner>(PartnerOptions{options.exchange, options.backend, options.threads, options.stall_seconds, options.attach_seconds, options.quiet});
         exchange::Hello hello;
         hello.program = "mpm-driver " + version();
@@ -38,12 +53,18 @@ SceneLaws make_laws(Scene& scene, const RunOptions& options) {
 
 RunFacts SceneLaws::facts() const {
     RunFacts facts;
+    facts.warnings = warnings_;
     if (!farm_) return facts;
     facts.farm = farm_->farm_program();
     facts.rves = farm_->rves();
     facts.evaluations_asked = facts.evaluations_done = farm_->evaluations();
     facts.split_steps = farm_->split_steps();
+    facts.dem_time = farm_->dem_time();
     facts.dem_time_step = farm_->dem_time_step();
+    facts.rves_without_contacts = farm_->rves_without_contacts();
+    if (facts.rves_without_contacts > 0)
+        facts.warnings.push_back(fmt::format("{} of {} RVEs carry no contact force at the end: opened by tension, or by stresses that ring inside a cell (docs/method.md, limits)",
+                                             facts.rves_without_contacts, facts.rves));
     facts.waiting_driver = partner_->channel().waiting_seconds();
     facts.waiting_farm = farm_waited_;
     return facts;

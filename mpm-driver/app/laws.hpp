@@ -32,11 +32,15 @@ private:
     std::unique_ptr<FarmPartner> partner_; // outlives the law that speaks through it
     Simulation::Laws laws_;
     FarmLaw* farm_ = nullptr;
+    std::vector<std::string> warnings_;
     std::optional<double> farm_waited_; // s; empty until the farm has said so
 };
 
 // Starts the farm where there is one; sets the bulk density of bodies whose scene leaves it to the RVEs.
 SceneLaws make_laws(Scene& scene, const RunOptions& options);
+
+// What a user should know before packings and scene are put together; empty where they fit.
+std::vector<std::string> packing_warnings(const Scene& scene, const std::vector<Packing>& packings);
 
 // Bulk density of a packing's discs, kg/m^3: grain density / (1 + e); the mean over the packings.
 double bulk_density(const std::vector<Packing>& packings, double grain_density);

@@ -21,7 +21,7 @@ namespace columns_of = rve_columns;
 // Answers that the driver only passes on to its output.
 const std::array<Column, 6> reported_columns = {columns_of::coordination_number, columns_of::void_ratio, columns_of::bonds,
                                                 columns_of::broken_bonds, columns_of::work, columns_of::split_steps};
-constexpr std::size_t split_steps_column = 5;
+constexpr std::size_t coordination_column = 0, split_steps_column = 5;
 
 std::vector<Column> asked_for() {
     std::vector<Column> asked = {columns_of::stress, columns_of::status, columns_of::stiffness, columns_of::stored_energy,
@@ -134,6 +134,12 @@ void FarmLaw::check_status(std::uint32_t rve, double status) const {
     fail(ExitCode::failed,
          fmt::format("the RVE of point {} failed in step {} (after {:.6g} s): {}", point_of_rve_[rve], step_, time_, index < names.size() ? names[index] : "unknown status"),
          "take a smaller rve.time_step or step, or restart from the last checkpoint with gentler loading");
+}
+
+std::int64_t FarmLaw::rves_without_contacts() const {
+    std::int64_t count = 0;
+    for (const std::uint32_t point : point_of_rve_) count += reported_[coordination_column][point] == 0.0;
+    return count;
 }
 
 std::int64_t FarmLaw::split_steps() const {

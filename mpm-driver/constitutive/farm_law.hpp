@@ -26,10 +26,12 @@ public:
 
     void bye() { farm_.bye(); }
     double farm_waiting_seconds(); // asked of the farm, s
+    double dem_time() const { return time_; } // that the RVEs have lived through, s
     double dem_time_step() const;  // dt / n of the latest macro step, s; 0 before the first
     const std::string& farm_program() const { return farm_program_; }
     std::int64_t rves() const { return static_cast<std::int64_t>(point_of_rve_.size()); }
     std::int64_t evaluations() const { return evaluations_; }
+    std::int64_t rves_without_contacts() const; // that carry no contact force now
     std::int64_t split_steps() const; // over all RVEs, since the start
 
 private:

@@ -66,8 +66,9 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
     json["rve_split_steps"] = facts.split_steps;
     json["dem_time_step_s"] = facts.dem_time_step;
     json["mean_time_step_s"] = simulation.steps_done() > 0 ? simulation.time() / static_cast<double>(simulation.steps_done()) : 0.0;
-    // The clocks of DEM and MPM agree where the sub-steps of a macro step add up to it, as they do by construction.
-    json["clock_ratio"] = 1.0;
+    // Time that the RVEs lived through over that of the driver: 1, since sub-steps add up to their macro step.
+    json["clock_ratio"] = facts.rves > 0 && simulation.time() > 0.0 ? facts.dem_time / simulation.time() : 1.0;
+    json["rves_without_contacts"] = facts.rves_without_contacts;
     json["confining_pressure_Pa"] = scene.confining_pressure;
     for (const Wall& wall : simulation.walls()) json["walls"].push_back({{"name", wall.name()}, {"side", wall.spec().side}});
     json["wall_seconds"]["total"] = facts.wall_seconds;
@@ -75,9 +76,9 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
     json["cpu_seconds"] = facts.cpu_seconds;
     json["waiting_seconds"] = {{"driver", facts.waiting_driver}, {"farm", facts.waiting_farm ? Json(*facts.waiting_farm) : Json()}};
     json["balance"] = {{"mass", ledger.mass_error()}, {"momentum", ledger.momentum_error()}, {"energy", ledger.energy_error()}, {"heat", nullptr}, {"numerical_loss", ledger.numerical_loss()}};
-    json["energy_J"] = {{"input", ledger.input_work()}, {"kinetic", ledger.kinetic}, {"internal_work", ledger.internal_work},
+    json["energy_J"] = {{"input", ledger.input_work()}, {"work_of_walls", ledger.wall_work}, {"work_of_pressure", ledger.pressure_work}, {"work_of_gravity", ledger.gravity_work}, {"kinetic", ledger.kinetic}, {"internal_work", ledger.internal_work},
                         {"stored", ledger.law_stored}, {"dissipated_in_material", ledger.law_dissipation}, {"pic", ledger.pic},
-                        {"transfer", ledger.transfer}, {"grid_damping", ledger.grid_damping},
+                        {"transfer", ledger.transfer}, {"strain_transfer", ledger.strain_transfer}, {"wall_impact", ledger.wall_impact}, {"grid_damping", ledger.grid_damping},
                         {"particle_damping", ledger.particle_damping}, {"wall_friction", ledger.wall_friction}};
     json["warnings"] = facts.warnings;
     json["exit"] = facts.exit;

@@ -20,7 +20,9 @@ struct RunFacts {
     std::string farm;                        // "rve-farm 0.1.0, 2 threads"; empty where no RVE is called for
     std::int64_t rves = 0;
     std::int64_t evaluations_asked = 0, evaluations_done = 0;
+    std::int64_t rves_without_contacts = 0;  // at the end
     std::int64_t split_steps = 0;            // RVE steps that took more sub-steps than asked for
+    double dem_time = 0.0;                   // s, that the RVEs have lived through
     double dem_time_step = 0.0;              // s, of the last macro step; 0 where no RVE is called for
     double wall_seconds = 0.0, cpu_seconds = 0.0;
     std::vector<std::pair<std::string, double>> stage_seconds;
