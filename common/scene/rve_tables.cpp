@@ -15,6 +15,26 @@ void check_packing(const PackingSpec& p, const Place& at) {
     if (sources > 1) at.fault(at.has("file") ? "file" : "particles", "is given beside another source of the packing", "give one of file, particles, void_ratio");
     if (at.has("contacts") && !at.has("particles")) at.fault("contacts", "is given without particles", "give the CSV file of the discs as well");
     if (p.radius_max < p.radius_min) at.fault("radius_max", "is smaller than radius_min", "exchange the two");
+    if (p.radius_max >= p.radius_min && p.radius_min < p.radius_max / 100.0)
+        at.fault("radius_min", "is less than a hundredth of radius_max", "bring the sizes closer: the smallest disc sets the DEM step, the largest the neighbour search");
+}
+
+void check_contact(const ContactParameters& c, const Place& at) {
+    if (c.tangential_stiffness > 100.0 * c.normal_stiffness)
+        at.fault("tangential_stiffness", "is more than 100 times the normal stiffness", "give both in N/m; for grains k_t / k_n is 0.5 to 1");
+}
+
+// Rules across the tables of a specification whose discs are still to be made.
+void check_preparation(const RveSpec& rve, const Place& at) {
+    if (!at.has("packing")) at.fault("packing", "is missing", "add the table [rve.packing] with void_ratio, file or particles");
+    if (!at.has("packing") || !rve.packing.by_specification()) return;
+    const RveParameters& p = rve.parameters;
+    if (p.skin > 10.0 * rve.packing.radius_max) at.fault("skin", fmt::format("{:g} m is more than ten times the largest radius", p.skin), "leave it out, or give less");
+    const double overlap = rve.packing.pressure * p.thickness / p.contact.normal_stiffness; // p t / k_n, -: overlap of two discs over their size
+    if (overlap > 0.2)
+        at.fault("packing", fmt::format("the pressure presses discs into each other by about {:.2g} of their size", overlap), "take a larger contact.normal_stiffness, or a lower pressure or thickness: p t / k_n at most 0.2");
+    if (overlap < 1e-9)
+        at.fault("packing", fmt::format("the pressure presses discs into each other by only {:.2g} of their size: beyond the precision of positions", overlap), "take a smaller contact.normal_stiffness, or a higher pressure or thickness: p t / k_n at least 1e-9");
 }
 
 Table<PackingSpec> packing_table() {
@@ -23,9 +43,9 @@ Table<PackingSpec> packing_table() {
     table.text("file", &P::file, "HDF5 file written by `rve-farm pack`; the path is relative to this file")
         .text("particles", &P::particles, "CSV file of discs (x, y, radius; cell in its first line)")
         .text("contacts", &P::contacts, "CSV file of their contacts, with the tangential forces")
-        .whole("discs", &P::discs, at_least(4), "discs in an RVE")
-        .quantity("radius_min", &P::radius_min, length, positive(), "smallest radius; radii are uniform by number")
-        .quantity("radius_max", &P::radius_max, length, positive(), "largest radius")
+        .whole("discs", &P::discs, between(4, 100000), "discs in an RVE")
+        .quantity("radius_min", &P::radius_min, length, between(1e-6, 10), "smallest radius; radii are uniform by number")
+        .quantity("radius_max", &P::radius_max, length, between(1e-6, 10), "largest radius")
         .number("void_ratio", &P::void_ratio, {.least = 0.0, .most = 1.0, .above_least = true}, "target, area based: A_cell / sum(pi r^2) - 1")
         .number("void_ratio_tolerance", &P::void_ratio_tolerance, {.least = 1e-6, .most = 0.1}, "largest deviation from the target")
         .quantity("pressure", &P::pressure, Dimension::pressure, positive(), "isotropic pressure it is prepared at, compression positive")
@@ -38,9 +58,10 @@ Table<PackingSpec> packing_table() {
 Table<ContactParameters> contact_table() {
     using C = ContactParameters;
     Table<C> table("Contacts without bond: linear springs and Coulomb friction (Eqs. 5a-c).");
-    table.quantity("normal_stiffness", &C::normal_stiffness, stiffness, positive(), "k_n")
+    table.quantity("normal_stiffness", &C::normal_stiffness, stiffness, between(1e-3, 1e15), "k_n")
         .quantity("tangential_stiffness", &C::tangential_stiffness, stiffness, positive(), "k_t")
-        .number("friction", &C::friction, not_negative(), "Coulomb coefficient mu");
+        .number("friction", &C::friction, not_negative(), "Coulomb coefficient mu")
+        .check(check_contact);
     return table;
 }
 
@@ -58,8 +79,8 @@ Table<BondParameters> bond_table() {
 Table<RveSpec> rve_table() {
     using R = RveSpec;
     Table<R> table("Discrete assemblies (RVEs) behind the points of law \"rve\", computed by rve-farm.");
-    table.quantity("grain_density", [](R& r) -> double& { return r.parameters.grain_density; }, density, positive(), "of the discs' material")
-        .quantity("thickness", [](R& r) -> double& { return r.parameters.thickness; }, length, positive(), "t of the discs; sets forces and volumes of an RVE")
+    table.quantity("grain_density", [](R& r) -> double& { return r.parameters.grain_density; }, density, between(1, 1e5), "of the discs' material")
+        .quantity("thickness", [](R& r) -> double& { return r.parameters.thickness; }, length, between(1e-6, 1e6), "t of the discs; sets forces and volumes of an RVE")
         .number("damping", [](R& r) -> double& { return r.parameters.damping; }, {.least = 0.0, .most = 0.99}, "local non-viscous damping of the non-affine motion; 0 = none")
         .flag("fluctuation_stress", [](R& r) -> bool& { return r.parameters.fluctuation_stress; }, "adds the kinetic part -(1/V) sum m v_f v_f to the stress (Eq. 49)")
         .quantity("time_step", [](R& r) -> double& { return r.parameters.time_step; }, time, positive(), "largest DEM sub-step; checked against the stable one")
@@ -68,9 +89,7 @@ Table<RveSpec> rve_table() {
         .template table<PackingSpec>("packing", &R::packing, packing_table())
         .template table<ContactParameters>("contact", [](R& r) -> ContactParameters& { return r.parameters.contact; }, contact_table())
         .template optional_table<BondParameters>("bond", [](R& r) -> std::optional<BondParameters>& { return r.parameters.bond; }, bond_table())
-        .check([](const RveSpec&, const Place& at) {
-            if (!at.has("packing")) at.fault("packing", "is missing", "add the table [rve.packing] with void_ratio, file or particles");
-        });
+        .check(check_preparation);
     return table;
 }
 

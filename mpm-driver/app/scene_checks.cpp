@@ -33,16 +33,39 @@ void check_bodies(const Scene& scene, const Place& at) {
                            fmt::format("the domain reaches from ({:g}, {:g}) to ({:g}, {:g}) m", low[0], low[1], high[0], high[1]));
                 break;
             }
+        for (std::size_t j = 0; j < i; ++j)
+            if (scene.bodies[j].name == scene.bodies[i].name) body.fault("name", fmt::format("\"{}\" is also the name of body.{}", scene.bodies[i].name, j), "give each body a name of its own");
     }
+}
+
+int axis_of(const WallSpec& wall) { return wall.side == "left" || wall.side == "right" ? 0 : 1; }
+bool bounds_from_below(const WallSpec& wall) { return wall.side == "left" || wall.side == "bottom"; } // the material's side of smaller coordinate
+
+// A wall reaches without end across its axis: the material of every body lies on one side of it.
+void check_cut(const WallSpec& wall, const Scene& scene, const Place& at) {
+    const double slack = 1e-9 * scene.domain.cell; // rounding of the input
+    for (const BodySpec& body : scene.bodies)
+        for (const Vector& corner : body.polygon) {
+            const double depth = (bounds_from_below(wall) ? 1.0 : -1.0) * (wall.position - corner[axis_of(wall)]); // m, of the corner behind the wall
+            if (depth <= slack) continue;
+            at.fault("position", fmt::format("the {} wall at {:g} m cuts through body \"{}\", whose corner ({:g}, {:g}) m lies behind it", wall.side, wall.position, body.name, corner[0], corner[1]),
+                     "move the wall to the body's edge or further out, or mend its side");
+            return;
+        }
 }
 
 void check_walls(const Scene& scene, const Place& at) {
     for (std::size_t i = 0; i < scene.walls.size(); ++i) {
         const WallSpec& wall = scene.walls[i];
-        const int axis = wall.side == "left" || wall.side == "right" ? 0 : 1;
+        const int axis = axis_of(wall);
         const double low = scene.domain.origin[axis], high = low + scene.domain.size[axis], slack = 1e-9 * scene.domain.size[axis];
         if (wall.position < low - slack || wall.position > high + slack)
             item(at, "wall", i).fault("position", fmt::format("{:g} m lies outside the domain", wall.position), fmt::format("give a position in [{:g}, {:g}] m", low, high));
+        check_cut(wall, scene, item(at, "wall", i));
+        for (const WallSpec& other : scene.walls)
+            if (axis_of(other) == axis && bounds_from_below(other) && !bounds_from_below(wall) && wall.position <= other.position)
+                item(at, "wall", i).fault("position", fmt::format("the {} wall at {:g} m leaves no room to the {} wall \"{}\" at {:g} m", wall.side, wall.position, other.side, other.name, other.position),
+                                          "put it on the other side of that wall");
         for (std::size_t j = 0; j < i; ++j)
             if (scene.walls[j].name == wall.name) item(at, "wall", i).fault("name", fmt::format("\"{}\" is also the name of wall.{}", wall.name, j), "give each wall a name of its own");
     }
@@ -53,6 +76,10 @@ void check_stages(const Scene& scene, const Place& at) {
     for (const WallSpec& wall : scene.walls) names.push_back(wall.name);
     for (std::size_t i = 0; i < scene.stages.size(); ++i) {
         const StageSpec& stage = scene.stages[i];
+        for (auto moved = stage.moves.begin(); moved != stage.moves.end(); ++moved)
+            if (std::find(stage.moves.begin(), moved, *moved) != moved) item(at, "stage", i).fault("moves", fmt::format("names the wall \"{}\" twice", *moved), "name it once");
+        if (scene.step.fixed)
+            for (const DampingFault& fault : damping_faults(stage, *scene.step.fixed)) item(at, "stage", i).fault(fault.key, fault.problem, fault.remedy);
         for (const std::string& moved : stage.moves) {
             const auto wall = std::find(names.begin(), names.end(), moved);
             if (wall == names.end())
@@ -66,6 +93,15 @@ void check_stages(const Scene& scene, const Place& at) {
 }
 
 } // namespace
+
+std::vector<DampingFault> damping_faults(const StageSpec& stage, double step) {
+    std::vector<DampingFault> faults;
+    for (const auto& [key, alpha] : {std::pair{"particle_damping", stage.particle_damping}, std::pair{"grid_damping", stage.grid_damping}})
+        if (alpha * step >= 1.0)
+            faults.push_back({key, fmt::format("{:g} 1/s times the step of {:g} s is {:.3g}: at 1 and above a step does not damp but turn the motion round", alpha, step, alpha * step),
+                              fmt::format("give less than {:.3g} 1/s, or take a smaller step", 1.0 / step)});
+    return faults;
+}
 
 void check_whole_scene(const Scene& scene, const Place& at) {
     check_law(scene, at, "elastic", scene.elastic.has_value());

@@ -11,7 +11,15 @@ using enum Dimension;
 
 namespace {
 
+constexpr double most_cells = 1e8; // about 15 GB of nodes: beyond it a slip of the pen, not a grid
+constexpr double highest_speed = 1e4; // m/s, of a body: above the wave speeds of ground
+
 void check_domain(const DomainSpec& d, const Place& at) {
+    const double count = (d.size / d.cell).prod();
+    if (!(count <= most_cells)) { // before anything is cast to a whole number
+        at.fault("cell", fmt::format("{:g} m makes {:.3g} cells of this domain", d.cell, count), fmt::format("take a cell of at least {:.3g} m: at most {:g} cells", std::sqrt(d.size.prod() / most_cells), most_cells));
+        return;
+    }
     for (int axis = 0; axis < Dim; ++axis) {
         const double cells = d.size[axis] / d.cell;
         if (std::abs(cells - std::round(cells)) > 1e-6 || std::round(cells) < 1.0) // far above rounding, far below a cell
@@ -35,11 +43,19 @@ void check_body(const BodySpec& b, const Place& at) {
     else if (!polygon_is_simple(b.polygon)) at.fault(outline, "crosses itself", "give its corners in order along the outline");
     const int side = static_cast<int>(std::lround(std::sqrt(b.points_per_cell)));
     if (side * side != b.points_per_cell) at.fault("points_per_cell", fmt::format("{} is no square", b.points_per_cell), "take 1, 4, 9 or 16");
+    if (!(b.velocity.norm() <= highest_speed)) at.fault("velocity", fmt::format("{:g} m/s is no speed of ground", b.velocity.norm()), fmt::format("give at most {:g} m/s", highest_speed));
     if (b.law == "elastic" && !b.density) at.fault("density", "is missing", "an elastic body needs its bulk density");
     if (b.law != "elastic" && !b.stress.isZero(0.0)) at.fault("stress", "is given for a body of RVEs", "leave it out: their packings bring their own");
 }
 
+// A wall's name becomes a part of column names.
+bool is_plain_name(const std::string& name) {
+    constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
+    return !name.empty() && name.find_first_not_of(allowed) == std::string::npos;
+}
+
 void check_wall(const WallSpec& w, const Place& at) {
+    if (!is_plain_name(w.name)) at.fault("name", fmt::format("\"{}\" is no name for a wall", w.name), "use letters, digits, _ and -");
     if (w.friction > 0.0 && w.kind != "roller") at.fault("friction", "is given for a wall that sticks", "take kind = \"roller\", or leave the friction out");
     if (w.ramp > 0.0 && w.velocity == 0.0) at.fault("ramp", "is given for a wall without velocity", "give the velocity, or leave the ramp out");
 }
@@ -52,7 +68,8 @@ Table<DomainSpec> domain_table() {
     table.components("origin", &D::origin, length, any(), "lower left corner")
         .components("size", &D::size, length, positive(), "width and height, whole numbers of cells", required)
         .quantity("cell", &D::cell, length, positive(), "side h of a cell", required)
-        .quantity("thickness", &D::thickness, length, positive(), "out of the plane (plane strain)")
+        .quantity("thickness", &D::thickness, length, between(1e-6, 1e6), "out of the plane (plane strain)")
+        .choice("volume_strain", &D::volume_strain, {"point", "cell"}, "of a point: its own, as in the paper, or the mean over its cell (B-bar), against stresses that ring inside a cell")
         .check(check_domain);
     return table;
 }
@@ -65,7 +82,7 @@ Table<BodySpec> body_table() {
         .points("polygon", &B::polygon, length, 0, "corners in order along the outline")
         .choice("law", &B::law, {"rve", "elastic"}, "what answers with stress: an RVE behind each point, or linear elasticity", required)
         .whole("points_per_cell", &B::points_per_cell, between(1, 16), "1, 4, 9 or 16: the same number along each axis")
-        .optional_quantity("density", &B::density, density, positive(), "bulk density; without it that of the RVE's discs")
+        .optional_quantity("density", &B::density, density, between(1, 1e5), "bulk density; without it that of the RVE's discs")
         .components("velocity", &B::velocity, velocity, any(), "at the start")
         .components("stress", &B::stress, pressure, any(), "at the start, of law \"elastic\": sxx, syy, sxy, tension positive")
         .check(check_body);

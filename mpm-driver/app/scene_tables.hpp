@@ -16,4 +16,11 @@ scene::Table<OutputSpec> output_table();
 // Rules that look at more than one table.
 void check_whole_scene(const Scene& scene, const scene::Place& at);
 
+// What (34) does not bear: a damping alpha with alpha dt >= 1. For a step the scene fixes it is a fault of the scene; for an
+// automatic one it shows at the first step.
+struct DampingFault {
+    std::string key, problem, remedy;
+};
+std::vector<DampingFault> damping_faults(const StageSpec& stage, double step);
+
 } // namespace talik::driver

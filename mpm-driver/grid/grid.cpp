@@ -11,6 +11,7 @@ Grid::Grid(const Vector& origin, const Vector& size, double cell, double thickne
     require(cell > 0.0, "the cell size of the domain is not positive", "give domain.cell as a length above 0");
     require(thickness > 0.0, "the thickness of the domain is not positive", "give domain.thickness as a length above 0");
     require((size.array() > 0.0).all(), "the size of the domain is not positive", "give domain.size as two lengths above 0");
+    require((size / cell).prod() <= 1e9, "the domain has too many cells", "give a larger domain.cell"); // node numbers are of type int
     for (int axis = 0; axis < Dim; ++axis) {
         const int cells = static_cast<int>(std::ceil(size[axis] / cell - 1e-9)); // a size of 10 cells is 10, not 11
         nodes_[axis] = cells + 3; // cells + 1 nodes, and a ghost at each end

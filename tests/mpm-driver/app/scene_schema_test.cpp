@@ -127,6 +127,18 @@ TEST_CASE("rules across tables name the key, and only where they are broken") {
     CHECK_CONTAINS(broken("poisson = 0.3", "poisson = 0.5"), "elastic.poisson: 0.5 is out of range");
     CHECK_CONTAINS(broken("young = \"10 MPa\"", "young = \"-10 MPa\""), "elastic.young: -1e+07 Pa is out of range");
     CHECK_CONTAINS(broken("duration = \"1 s\"\n", ""), "stage.0.duration: is missing");
+    CHECK_CONTAINS(broken("cell = \"0.1 m\"", "cell = \"1e-6 m\""), "scene_test.toml:4: domain.cell: 1e-06 m makes 2e+12 cells of this domain");
+    CHECK_CONTAINS(broken("cell = \"0.1 m\"", "cell = 1e-300"), "domain.cell: 1e-300 m makes inf cells");
+    CHECK_CONTAINS(broken("position = \"1 m\"", "position = \"0.9 m\""), "wall.0.position: the top wall at 0.9 m cuts through body \"block\"");
+    CHECK_CONTAINS(broken("[[stage]]", "[[wall]]\nname = \"base\"\nside = \"bottom\"\nposition = \"1.5 m\"\n[[stage]]"),
+                   "wall.0.position: the top wall at 1 m leaves no room to the bottom wall \"base\" at 1.5 m");
+    CHECK_CONTAINS(broken("name = \"plate\"", "name = \"plate,1\""), "wall.0.name: \"plate,1\" is no name for a wall");
+    CHECK_CONTAINS(broken("[[wall]]", "[[body]]\nname = \"block\"\nbox = [[0, 0], [0.2, 1]]\nlaw = \"elastic\"\ndensity = 2000\n[[wall]]"), "body.1.name: \"block\" is also the name of body.0");
+    CHECK_CONTAINS(broken("law = \"elastic\"", "law = \"elastic\"\nvelocity = [1e5, 0]"), "body.0.velocity: 100000 m/s is no speed of ground");
+    CHECK_CONTAINS(broken("2000 kg/m^3", "0.5 kg/m^3"), "body.0.density");
+    CHECK_CONTAINS(broken("moves = [\"plate\"]", "moves = [\"plate\", \"plate\"]"), "stage.0.moves: names the wall \"plate\" twice");
+    CHECK_CONTAINS(faults_of(replaced(sound, "duration = \"1 s\"", "duration = \"1 s\"\ngrid_damping = 1e5"), {"step.fixed=1e-4"}), "stage.0.grid_damping: 100000 1/s times the step of 0.0001 s is 10");
+    CHECK(faults_of(replaced(sound, "duration = \"1 s\"", "duration = \"1 s\"\ngrid_damping = 9e3"), {"step.fixed=1e-4"}) == ""); // alpha dt = 0.9
     CHECK_CONTAINS(faults_of(""), "body: is missing (add at least one [[body]]");
     CHECK_CONTAINS(faults_of("[domain\n"), "scene_test.toml:1: ");
 }
@@ -136,6 +148,14 @@ TEST_CASE("a missing packing is a fault of the scene, named with its line") {
     CHECK_CONTAINS(faults_of(scene), "scene_test.toml:11: rve.packing.file: ");
     CHECK_CONTAINS(faults_of(scene), "absent.h5\" does not exist (prepare it (rve-farm pack)");
     CHECK_CONTAINS(faults_of(scene, {"rve.packing.void_ratio=0.2"}), "is given beside another source of the packing");
+    const auto prepared = [&](const std::string& rest) { return faults_of(replaced(scene, "file = \"absent.h5\"", "void_ratio = 0.2\n" + rest)); };
+    CHECK(prepared("") == "");
+    CHECK_CONTAINS(prepared("discs = 100001"), "rve.packing.discs");
+    CHECK_CONTAINS(prepared("radius_min = \"1e-5 m\""), "rve.packing.radius_min: is less than a hundredth of radius_max");
+    CHECK_CONTAINS(prepared("[rve.contact]\nnormal_stiffness = 1e4"), "the pressure presses discs into each other by about 1 of their size");
+    CHECK_CONTAINS(prepared("[rve.contact]\nnormal_stiffness = 1e15"), "beyond the precision of positions");
+    CHECK_CONTAINS(prepared("[rve.contact]\ntangential_stiffness = 1e9"), "rve.contact.tangential_stiffness: is more than 100 times");
+    CHECK_CONTAINS(prepared("[rve]\nskin = 1"), "rve.skin: 1 m is more than ten times the largest radius");
     CHECK_CONTAINS(faults_of(replaced(scene, "file = \"absent.h5\"", "discs = 100")), "rve.packing.void_ratio: is missing");
     CHECK_CONTAINS(faults_of(replaced(scene, "file = \"absent.h5\"", "void_ratio = 0.2\nradius_max = \"1 mm\"")), "radius_max: is smaller than radius_min");
 }
