@@ -7,6 +7,7 @@
 #include "common/base/error.hpp"
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
+#include "common/base/option_ranges.hpp"
 #include "common/base/idle_threads.hpp"
 #include "common/base/program.hpp"
 #include "common/base/version.hpp"
@@ -53,15 +54,15 @@ int main(int argc, char** argv) {
                         "  mpm-driver run scene.toml --output out/a --restart out/a/checkpoint-000001200\n"
                         "  mpm-driver run scene.toml --exchange shm:slope      (and: rve-farm serve --exchange shm:slope)");
     run_command->add_option("scene", options.scene, "SCENE.toml")->required();
-    run_command->add_option("--output", options.output, "folder for everything the run leaves (default: out/<scene>)");
+    run_command->add_option("--output", options.output, "folder for everything the run leaves (default: out/<scene>)")->check(not_empty());
     run_command->add_option("--exchange", options.exchange, "shm:NAME: meet a farm there instead of launching one");
-    run_command->add_option("--restart", options.restart, "go on from this checkpoint");
-    auto* until_option = run_command->add_option("--until", until, "stop at this simulated time, s")->check(CLI::PositiveNumber);
+    run_command->add_option("--restart", options.restart, "go on from this checkpoint")->check(not_empty());
+    auto* until_option = run_command->add_option("--until", until, "stop at this simulated time, s")->check(above_zero());
     run_command->add_option("--set", options.set, "KEY=VALUE: overrides a key of the scene (repeatable)");
-    run_command->add_option("--threads", options.threads, "of the farm and of the driver; 0 = all")->check(CLI::NonNegativeNumber);
+    run_command->add_option("--threads", options.threads, "of the farm and of the driver; 0 = all")->check(thread_count());
     run_command->add_option("--backend", options.backend, "of the farm: auto, cpu or cuda")->check(CLI::IsMember({"auto", "cpu", "cuda"}));
-    run_command->add_option("--stall-seconds", options.stall_seconds, "how long a farm that does not move is waited for")->check(CLI::PositiveNumber);
-    run_command->add_option("--attach-seconds", options.attach_seconds, "how long a farm is waited for to come to the exchange")->check(CLI::PositiveNumber);
+    run_command->add_option("--stall-seconds", options.stall_seconds, "how long a farm that does not move is waited for")->check(above_zero());
+    run_command->add_option("--attach-seconds", options.attach_seconds, "how long a farm is waited for to come to the exchange")->check(above_zero());
     run_command->add_flag("--quiet", options.quiet, "warnings and errors only");
     run_command->callback([&] {
         if (until_option->count() > 0) options.until = until;
@@ -76,7 +77,7 @@ int main(int argc, char** argv) {
     CLI::App* explain_command = app.add_subcommand("explain", "What a scene calls for and what it will cost, without a run");
     explain_command->add_option("scene", scene, "SCENE.toml")->required();
     explain_command->add_option("--set", set, "KEY=VALUE: overrides a key of the scene (repeatable)");
-    explain_command->add_option("--threads", threads, "that a run would have; 0 = all");
+    explain_command->add_option("--threads", threads, "that a run would have; 0 = all")->check(thread_count());
     explain_command->callback([&] {
         log::start("mpm-driver", false);
         exit = explain(scene, set, threads);

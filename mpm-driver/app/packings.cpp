@@ -19,14 +19,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+fs::path cached(const RveSpec& rve) { return cache_folder() / "packings" / (scene::packing_fingerprint(rve) + ".h5"); }
+
+// Into the cache, whose folder is not one of --output.
+void write_specification(const fs::path& file, const RveSpec& rve) {
+    try {
+        make_folder(file.parent_path());
+        write_file_atomically(file, scene::packing_specification(rve));
+    } catch (const Error& error) {
+        throw Error(error.code(), error.where(), error.problem(), "packings are kept there: set TALIK_CACHE to a folder you may write to, with free space");
+    }
+}
+
 // Prepares under a name of its own and renames: two runs at once do not meet, a half is never used.
-fs::path prepare(const RveSpec& rve, int threads, bool quiet) {
-    const fs::path target = cache_folder() / "packings" / (scene::packing_fingerprint(rve) + ".h5");
-    if (fs::exists(target)) return target;
-    make_folder(target.parent_path());
+void prepare(const RveSpec& rve, const fs::path& target, int threads, bool quiet) {
     const fs::path part = target.string() + "." + std::to_string(::getpid()) + ".part";
     const fs::path specification = part.string() + ".toml";
-    write_file_atomically(specification, scene::packing_specification(rve));
+    write_specification(specification, rve);
     if (!quiet) log::info("preparing {} packing(s) of {} discs, once; kept as {}", rve.packing.count, rve.packing.discs, target.string());
 
     std::vector<std::string> command = {sibling_program("rve-farm").string(), "pack", specification.string(), "-o", part.string()};
@@ -44,7 +53,23 @@ fs::path prepare(const RveSpec& rve, int threads, bool quiet) {
              "its own line above says why; mend [rve.packing]");
     }
     fs::rename(part, target);
-    return target;
+}
+
+// The cache is ours: what is damaged there is made anew.
+std::vector<Packing> prepared(const RveSpec& rve, int threads, bool quiet) {
+    const fs::path target = cached(rve);
+    if (fs::exists(target)) {
+        try {
+            return read_packings(target.string());
+        } catch (const Error& error) {
+            log::warn("{}: it is removed and prepared again", error.what());
+            std::error_code why;
+            fs::remove_all(target, why);
+            if (why) throw Error(ExitCode::bad_input, target.string(), "is damaged and cannot be removed: " + why.message(), "set TALIK_CACHE to a folder you may write to");
+        }
+    }
+    prepare(rve, target, threads, quiet);
+    return read_packings(target.string());
 }
 
 } // namespace
@@ -61,7 +86,7 @@ fs::path sibling_program(const std::string& name) { return fs::read_symlink("/pr
 std::vector<Packing> obtain_packings(const RveSpec& rve, int threads, bool quiet) {
     const PackingSpec& spec = rve.packing;
     if (!spec.particles.empty()) return {read_packing_csv(spec.particles, spec.contacts)};
-    return read_packings(spec.by_specification() ? prepare(rve, threads, quiet).string() : spec.file);
+    return spec.by_specification() ? prepared(rve, threads, quiet) : read_packings(spec.file);
 }
 
 } // namespace talik::driver

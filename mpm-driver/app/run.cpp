@@ -15,7 +15,9 @@
 #include "common/io/text_file.hpp"
 #include "mpm-driver/app/farm_partner.hpp"
 #include "mpm-driver/app/laws.hpp"
+#include "mpm-driver/app/output_folder.hpp"
 #include "mpm-driver/app/scene_schema.hpp"
+#include "mpm-driver/app/scene_tables.hpp"
 #include "mpm-driver/output/checkpoint.hpp"
 #include "mpm-driver/output/history.hpp"
 #include "mpm-driver/output/quantities.hpp"
@@ -54,6 +56,9 @@ public:
     Run(const RunOptions& options, const fs::path& output, const Scene& scene, SceneLaws& laws)
         : options_(options), scene_(scene), output_(output), laws_(laws), simulation_(scene_, laws_.take()), checkpoints_(output_) {
         if (!options.restart.empty()) restore_checkpoint(simulation_, options.restart);
+        check_damping();
+        if (options.restart.empty())
+            if (const int old = remove_checkpoints(output_)) log::info("removed {} checkpoint(s) of an earlier run from {}", old, output_.string());
         const std::int64_t keep = options.restart.empty() ? -1 : simulation_.steps_done();
         std::vector<std::string> names;
         for (const HistoryValue& value : history_values(simulation_)) names.push_back(value.name);
@@ -110,6 +115,15 @@ public:
     }
 
 private:
+    // Of every stage against the first step: an automatic one is known only now.
+    void check_damping() const {
+        if (simulation_.finished()) return;
+        const double step = simulation_.next_step();
+        for (std::size_t i = 0; i < scene_.stages.size(); ++i)
+            for (const DampingFault& fault : damping_faults(scene_.stages[i], step))
+                throw Error(ExitCode::bad_input, fmt::format("{}: stage.{}.{}", scene_.file, i, fault.key), fault.problem, fault.remedy);
+    }
+
     void advance() {
         const double before = simulation_.time();
         const int stage = simulation_.stage();
@@ -179,9 +193,11 @@ int go_and_close(Run& run) {
 } // namespace
 
 int run(const RunOptions& options) {
+    require(options.backend != "cuda", "--backend cuda: this build has no CUDA backend", "use --backend cpu, or leave the option out");
     if (options.threads > 0) omp_set_num_threads(options.threads);
     Scene scene = read_scene(options.scene, options.set);
     const fs::path output = output_folder(options);
+    const OutputLock lock(output);
     SceneLaws laws = make_laws(scene, options); // outlives the run, so that the farm is told what ended it
     return laws.with_cause([&] {
         Run run(options, output, scene, laws);
