@@ -12,6 +12,7 @@
 #include "common/io/hdf5_file.hpp"
 #include "common/physics/clock.hpp"
 #include "common/physics/rve_columns.hpp"
+#include "exchange/sealed_file.hpp"
 
 namespace talik::driver {
 namespace {
@@ -173,10 +174,12 @@ void FarmLaw::checkpoint(const std::string& folder) {
     file.set_attribute("/", "time", time_);
     for (std::size_t i = 0; i < reported_columns.size(); ++i) file.write("/" + reported_columns[i].name, reported_[i]);
     file.close();
+    exchange::seal(std::filesystem::path(folder) / "law.h5");
 }
 
 void FarmLaw::restore(const std::string& folder) {
     farm_.restore(std::filesystem::absolute(std::filesystem::path(folder) / "farm.h5").string());
+    exchange::require_sealed(std::filesystem::path(folder) / "law.h5");
     const Hdf5File file = Hdf5File::open((std::filesystem::path(folder) / "law.h5").string());
     evaluations_ = file.integer_attribute("/", "evaluations");
     time_ = file.number_attribute("/", "time");

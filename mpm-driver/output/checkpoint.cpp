@@ -14,6 +14,7 @@
 #include "common/base/version.hpp"
 #include "common/io/hdf5_file.hpp"
 #include "common/io/text_file.hpp"
+#include "exchange/sealed_file.hpp"
 
 namespace talik::driver {
 namespace {
@@ -50,8 +51,8 @@ void write_driver_state(Simulation& simulation, const fs::path& path) {
         file.write("/" + column.name, std::span<const double>(column.data, column.size()), column.components.size());
         file.set_attribute("/" + column.name, "unit", column.unit);
     }
-    file.flush();
     file.close();
+    exchange::seal(path);
 }
 
 void write_part(Simulation& simulation, const fs::path& part) {
@@ -113,6 +114,7 @@ void restore_checkpoint(Simulation& simulation, const fs::path& checkpoint) {
     if (!fs::exists(path))
         throw Error(ExitCode::bad_input, checkpoint.string(), "is not a checkpoint (it holds no driver.h5)",
                     "give one of the folders checkpoint-* of an output folder to --restart");
+    exchange::require_sealed(path);
     const Hdf5File file = Hdf5File::open(path.string());
     file.require_format(format);
     if (file.text_attribute("/", "scene_hash") != simulation.scene().hash)

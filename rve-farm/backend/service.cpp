@@ -8,6 +8,7 @@
 #include "common/io/hdf5_file.hpp"
 #include "common/packing/farm_setup.hpp"
 #include "common/physics/rve_columns.hpp"
+#include "exchange/sealed_file.hpp"
 
 namespace talik::farm {
 namespace {
@@ -133,11 +134,12 @@ void Service::checkpoint(const std::string& path) {
     file.write("/rves/bytes", plain(bytes));
     file.write("/rves/ends", ends);
     file.write("/answers", plain(memory.bytes()));
-    file.flush();
     file.close();
+    exchange::seal(path);
 }
 
 void Service::restore(const std::string& path) {
+    exchange::require_sealed(path);
     const Hdf5File file = Hdf5File::open(path);
     file.require_format(format);
     const auto bytes = file.read<std::uint8_t>("/rves/bytes").values;
