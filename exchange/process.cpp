@@ -19,10 +19,15 @@ namespace {
 constexpr double seconds_to_end = 5.0; // after SIGTERM, before SIGKILL
 
 // In the child, between fork and exec: async-signal-safe calls only. Does not return; reports errno through the pipe.
-[[noreturn]] void become(char* const* arguments, pid_t parent, int report) {
+[[noreturn]] void become(char* const* arguments, pid_t parent, int report, const sigset_t& held) {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() != parent) _exit(127); // it died before the line above
-    for (int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
+    for (int signal : {SIGINT, SIGTERM, SIGHUP}) { // not the launcher's handlers; but what it ignores (nohup), both ignore
+        struct sigaction present {};
+        sigaction(signal, nullptr, &present);
+        if (present.sa_handler != SIG_IGN) std::signal(signal, SIG_DFL);
+    }
+    sigprocmask(SIG_SETMASK, &held, nullptr); // survives exec, and so do signals that came meanwhile
     execvp(arguments[0], arguments);
     const int error = errno;
     [[maybe_unused]] const auto written = write(report, &error, sizeof error);
@@ -31,7 +36,7 @@ constexpr double seconds_to_end = 5.0; // after SIGTERM, before SIGKILL
 
 } // namespace
 
-LaunchedProcess::LaunchedProcess(const std::vector<std::string>& arguments) {
+LaunchedProcess::LaunchedProcess(const std::vector<std::string>& arguments, Interrupts interrupts) {
     ensure(!arguments.empty());
     std::vector<char*> pointers;
     for (const std::string& argument : arguments) pointers.push_back(const_cast<char*>(argument.c_str()));
@@ -40,9 +45,16 @@ LaunchedProcess::LaunchedProcess(const std::vector<std::string>& arguments) {
     if (pipe2(report, O_CLOEXEC) != 0)
         fail(ExitCode::out_of_resource, fmt::format("cannot start '{}': {}", arguments[0], std::strerror(errno)), "close other programs");
     const pid_t parent = getpid();
+    sigset_t own, held, during_launch;
+    sigemptyset(&held);
+    if (interrupts == Interrupts::held)
+        for (int signal : {SIGINT, SIGHUP}) sigaddset(&held, signal);
+    sigfillset(&during_launch); // between fork and become() the child has this process's handlers, which would swallow them
+    pthread_sigmask(SIG_SETMASK, &during_launch, &own);
     pid_ = fork();
-    if (pid_ == 0) become(pointers.data(), parent, report[1]);
+    if (pid_ == 0) become(pointers.data(), parent, report[1], held);
     const int fork_error = errno;
+    pthread_sigmask(SIG_SETMASK, &own, nullptr);
     close(report[1]);
     int error = 0;
     ssize_t got = 0;

@@ -7,11 +7,15 @@
 
 namespace talik::exchange {
 
+// Ctrl-C reaches every process of the terminal. A program that ends in order at it would die of it between its exec and the
+// moment its handlers stand: `held` keeps SIGINT and SIGHUP back until it calls watch_interrupts().
+enum class Interrupts { at_once, held };
+
 class LaunchedProcess {
 public:
     // arguments[0]: the program, found as the shell would. A program that cannot be started is an error here and now.
     // Launch it from the main thread: Linux ties "dies with its parent" to the thread that launched.
-    explicit LaunchedProcess(const std::vector<std::string>& arguments);
+    explicit LaunchedProcess(const std::vector<std::string>& arguments, Interrupts interrupts = Interrupts::at_once);
     ~LaunchedProcess(); // asks it to end, waits a little, and then makes it
     LaunchedProcess(const LaunchedProcess&) = delete;
     LaunchedProcess& operator=(const LaunchedProcess&) = delete;

@@ -36,10 +36,14 @@ void Patience::judge(const PartnerView& partner) {
     seen_ = true;
     last_movement_ = partner.movement;
 
+    // Before the partner has come nothing is under way that could be ended in order; and a partner that was launched and
+    // ended by the same Ctrl-C is not what ended this side.
+    const bool absent = partner.presence == PartnerView::Presence::absent;
+    if (absent && interrupted()) report_interrupt("start again");
     if (partner.presence == PartnerView::Presence::left || !partner.process_alive || !partner.cause.empty())
         report_lost(partner);
     check_interrupt();
-    if (partner.presence == PartnerView::Presence::absent) {
+    if (absent) {
         if (waited_ >= limits_.attach_seconds)
             fail(ExitCode::partner_lost,
                  fmt::format("{} did not come to the exchange within {:g} s", name_of(partner_of(self_)), limits_.attach_seconds),
@@ -72,9 +76,11 @@ void Patience::report_stalled(const PartnerView& partner) const {
 }
 
 void Patience::check_interrupt() const {
-    if (interrupted() && (interrupt_count() >= 2 || seconds_since_interrupt() > limits_.grace_after_interrupt_seconds))
-        fail(ExitCode::failed, fmt::format("interrupted by {} while waiting for {}", interrupt_name(), name_of(partner_of(self_))),
-             restart);
+    if (interrupted() && (interrupt_count() >= 2 || seconds_since_interrupt() > limits_.grace_after_interrupt_seconds)) report_interrupt(restart);
+}
+
+void Patience::report_interrupt(const char* remedy) const {
+    fail(ExitCode::failed, fmt::format("interrupted by {} while waiting for {}", interrupt_name(), name_of(partner_of(self_))), remedy);
 }
 
 void Patience::tell_progress(const PartnerView& partner) {

@@ -17,7 +17,7 @@ inline Role partner_of(Role role) { return role == Role::driver ? Role::farm : R
 struct WaitLimits {
     double attach_seconds = 60.0;                // for the partner to appear at the start
     double stall_seconds = 120.0;                // without any movement of an attached partner
-    double grace_after_interrupt_seconds = 20.0; // Ctrl-C: time to end in order before waits give up
+    double grace_after_interrupt_seconds = 20.0; // Ctrl-C: time to end in order before waits give up; none while the partner is absent
 };
 
 struct PartnerProgress {
@@ -51,6 +51,7 @@ private:
     [[noreturn]] void report_lost(const PartnerView& partner) const;
     [[noreturn]] void report_stalled(const PartnerView& partner) const;
     void check_interrupt() const;
+    [[noreturn]] void report_interrupt(const char* remedy) const;
     void tell_progress(const PartnerView& partner);
 
     Role self_;

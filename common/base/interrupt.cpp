@@ -44,6 +44,10 @@ void watch_interrupts() {
         sigaction(signal, nullptr, &present);
         if (present.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr); // nohup stays nohup
     }
+    sigset_t held;
+    sigemptyset(&held);
+    for (int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&held, signal);
+    sigprocmask(SIG_UNBLOCK, &held, nullptr);
 }
 
 bool interrupted() noexcept { return first_signal.load() != 0; }

@@ -4,7 +4,9 @@
 
 namespace talik {
 
-void watch_interrupts(); // installs the handlers of SIGINT, SIGTERM and SIGHUP; called once by main()
+// Installs the handlers of SIGINT, SIGTERM and SIGHUP, and lets through what a launcher held back until then (blocked: see
+// exchange/process.hpp); called once by main().
+void watch_interrupts();
 
 bool interrupted() noexcept;
 int interrupt_count() noexcept;

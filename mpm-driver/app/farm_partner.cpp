@@ -39,7 +39,7 @@ FarmPartner::FarmPartner(const PartnerOptions& options) : run_id_(fresh_run_id()
                                         "--launched", "--stall-seconds", fmt::format("{}", options.stall_seconds)};
     if (options.threads > 0) command.insert(command.end(), {"--threads", std::to_string(options.threads)});
     if (options.quiet) command.push_back("--quiet");
-    process_ = std::make_unique<exchange::LaunchedProcess>(command);
+    process_ = std::make_unique<exchange::LaunchedProcess>(command, exchange::Interrupts::held);
     channel_->ask_fate([process = process_.get()] { return process->fate(); });
 }
 

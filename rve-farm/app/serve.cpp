@@ -40,14 +40,16 @@ int serve(const ServeOptions& options) {
             "use --precision double");
     log::start("rve-farm", options.quiet);
     watch_interrupts();
-    const auto channel = join(options);
+    std::unique_ptr<exchange::Channel> channel;
     try {
+        channel = join(options);
         exchange::with_cause(*channel, [&] {
             Service service(options.threads);
             exchange::FarmEnd(*channel, service, "rve-farm " + version()).serve();
         });
     } catch (const Error& error) {
-        const bool known_to_the_driver = error.code() != ExitCode::partner_lost || !channel->partner_cause().empty();
+        // Before it has met the driver, only the driver's own end, or the Ctrl-C that both got, ends it without a word.
+        const bool known_to_the_driver = channel ? error.code() != ExitCode::partner_lost || !channel->partner_cause().empty() : interrupted();
         if (!options.launched || !known_to_the_driver) throw;
         return static_cast<int>(error.code());
     }

@@ -173,6 +173,27 @@ TEST_CASE("What a partner sent before it left is still received", "[exchange][ch
     CHECK_THROWS_AS(pair.driver->receive(frame), Error);
 }
 
+TEST_CASE("An interrupt ends the wait for a partner that has not come at once, and takes the name out of /dev/shm", "[exchange][channel]") {
+    const std::string name = unique_name("alone");
+    WaitLimits limits;
+    limits.grace_after_interrupt_seconds = 100.0;
+    std::unique_ptr<Channel> driver = make_shm_channel(name, limits);
+    REQUIRE(in_dev_shm(name));
+    watch_interrupts();
+    std::raise(SIGTERM);
+    Frame frame;
+    ExitCode code = ExitCode::done;
+    const auto begin = Clock::now();
+    const std::string text = error_text([&] { driver->receive(frame); }, &code);
+    forget_interrupts();
+    std::signal(SIGTERM, SIG_DFL);
+    CHECK(seconds_since(begin) < 1.0);
+    CHECK(code == ExitCode::failed);
+    CHECK(contains(text, "interrupted by SIGTERM while waiting for the farm (start again)"));
+    driver.reset();
+    CHECK_FALSE(in_dev_shm(name));
+}
+
 TEST_CASE("An interrupt ends a wait after its grace, and a second one at once", "[exchange][channel]") {
     const std::string kind = GENERATE(as<std::string>{}, "loopback", "shm");
     const bool twice = GENERATE(false, true);

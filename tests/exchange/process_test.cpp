@@ -1,3 +1,4 @@
+#include "common/base/interrupt.hpp"
 #include "exchange/process.hpp"
 #include "exchange/process_identity.hpp"
 #include "tests/exchange/support.hpp"
@@ -21,6 +22,38 @@ TEST_CASE("The fate of a launched program is told: its exit code or its signal",
     REQUIRE(sleeps.wait(10.0));
     CHECK(sleeps.fate() == "was killed by signal 9 (SIGKILL)");
     CHECK_FALSE(sleeps.exit_code().has_value());
+}
+
+TEST_CASE("Ctrl-C ends a launched program, but one that has it held only when it is ready for it", "[exchange][process]") {
+    const bool held = GENERATE(false, true);
+    LaunchedProcess program({"sleep", "0.3"}, held ? Interrupts::held : Interrupts::at_once);
+    kill(program.pid(), SIGINT);
+    REQUIRE(program.wait(10.0));
+    CHECK(program.fate() == (held ? "exited with code 0" : "was killed by signal 2 (SIGINT)"));
+}
+
+TEST_CASE("A Ctrl-C that a launcher held back is not lost: watch_interrupts() lets it through", "[exchange][process]") {
+    sigset_t held, before;
+    sigemptyset(&held);
+    sigaddset(&held, SIGINT);
+    sigprocmask(SIG_BLOCK, &held, &before);
+    forget_interrupts();
+    std::raise(SIGINT);
+    CHECK_FALSE(interrupted());
+    watch_interrupts();
+    CHECK(interrupting_signal() == SIGINT);
+    forget_interrupts();
+    for (int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
+    sigprocmask(SIG_SETMASK, &before, nullptr);
+}
+
+TEST_CASE("What the launcher ignores (nohup), the launched program ignores", "[exchange][process]") {
+    const auto before = std::signal(SIGHUP, SIG_IGN);
+    LaunchedProcess program({"sh", "-c", "sleep 0.3; exit 5"});
+    std::signal(SIGHUP, before);
+    kill(program.pid(), SIGHUP);
+    REQUIRE(program.wait(10.0));
+    CHECK(program.fate() == "exited with code 5");
 }
 
 TEST_CASE("A program that does not exist is an error at once", "[exchange][process]") {
