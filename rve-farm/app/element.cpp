@@ -8,11 +8,13 @@
 
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
+#include "common/base/option_ranges.hpp"
 #include "common/base/progress.hpp"
 #include "common/packing/packing_file.hpp"
 #include "exchange/process.hpp"
 #include "rve-farm/app/commands.hpp"
 #include "rve-farm/app/specification.hpp"
+#include "rve-farm/element/element_doubts.hpp"
 #include "rve-farm/element/element_output.hpp"
 #include "rve-farm/packing/prepare.hpp"
 
@@ -31,7 +33,7 @@ struct ElementOptions {
 std::vector<Packing> packings_of(const RveSpec& rve, int threads, bool quiet) {
     if (!rve.packing.file.empty()) return read_packings(rve.packing.file);
     Progress progress("packings", quiet || !rve.packing.by_specification());
-    return prepare_packings(rve, threads, [&](int done) { progress.update(static_cast<double>(done) / rve.packing.count, fmt::format("{} of {}", done, rve.packing.count)); });
+    return prepare_packings(rve, threads, [&](int done, const std::string& note) { progress.update(static_cast<double>(done) / rve.packing.count, fmt::format("{} of {}  {}", done, rve.packing.count, note)); });
 }
 
 // tools/plot of the source tree this program was built in, where it is there.
@@ -53,6 +55,7 @@ void element(const ElementOptions& options) {
     std::string dump;
     const ElementSpec spec = read_element_specification(options.specification, options.overrides, dump);
     const auto packings = packings_of(spec.rve, options.threads, options.quiet);
+    for (const std::string& doubt : doubts_before(spec.test, packings)) log::warn("{}", doubt);
     std::vector<ElementCurve> curves;
     {
         Progress progress(spec.test.path, options.quiet);
@@ -61,7 +64,9 @@ void element(const ElementOptions& options) {
     }
     write_element_curves(options.output, spec.title.empty() ? spec.test.path : spec.title, dump, curves);
     if (!options.quiet) log::info("{} curve(s) in {}", curves.size(), options.output);
+    for (const std::string& doubt : doubts_after(spec.test, curves)) log::warn("{}", doubt);
     if (options.plot) plot(options.output);
+    refuse_nonsense(spec.test, curves);
 }
 
 } // namespace
@@ -78,7 +83,7 @@ void add_element(CLI::App& app) {
     command->add_option("specification", options->specification, "TOML file; --keys lists what it may hold");
     command->add_option("-o,--output", options->output, "folder of the curves (CSV and HDF5)");
     command->add_option("--set", options->overrides, "key=value, overrides the file (repeatable)")->allow_extra_args(false);
-    command->add_option("--threads", options->threads, "0 = all; the curves do not depend on it")->check(CLI::NonNegativeNumber);
+    command->add_option("--threads", options->threads, "0 = all; the curves do not depend on it")->check(thread_count());
     command->add_flag("!--no-plot", options->plot, "writes the curves without a picture");
     command->add_flag("--quiet", options->quiet, "warnings and errors only");
     command->add_flag("--keys", options->keys, "lists every key of a test");

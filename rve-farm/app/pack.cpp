@@ -2,11 +2,17 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+#include <filesystem>
 #include <memory>
 
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
+#include "common/base/option_ranges.hpp"
 #include "common/base/progress.hpp"
 #include "common/packing/packing_file.hpp"
 #include "rve-farm/app/commands.hpp"
@@ -23,6 +29,17 @@ struct PackOptions {
     bool quiet = false, keys = false;
 };
 
+// Before the work: minutes of it would be lost on a file that cannot be written.
+void check_output(const std::string& file) {
+    namespace fs = std::filesystem;
+    const char* mend = "give -o the name of an HDF5 file in a folder you may write to";
+    const auto refuse = [&](const std::string& why) { throw Error(ExitCode::bad_input, file, why, mend); };
+    const fs::path folder = fs::path(file).has_parent_path() ? fs::path(file).parent_path() : fs::path(".");
+    if (fs::is_directory(file)) refuse("is a folder");
+    if (!fs::is_directory(folder)) refuse("its folder does not exist");
+    if (::access(folder.c_str(), W_OK | X_OK) != 0 || (fs::exists(file) && ::access(file.c_str(), W_OK) != 0)) refuse(std::string("cannot be written: ") + std::strerror(errno));
+}
+
 void pack(const PackOptions& options) {
     if (options.keys) {
         std::fputs(pack_help().c_str(), stdout);
@@ -32,11 +49,12 @@ void pack(const PackOptions& options) {
     log::start("rve-farm", options.quiet);
     std::string dump;
     const RveSpec spec = read_pack_specification(options.specification, options.overrides, dump);
+    check_output(options.output);
     std::vector<Packing> packings;
     {
         Progress progress("packings", options.quiet);
         const double count = spec.packing.count;
-        packings = prepare_packings(spec, options.threads, [&](int done) { progress.update(done / count, fmt::format("{} of {}", done, spec.packing.count)); });
+        packings = prepare_packings(spec, options.threads, [&](int done, const std::string& note) { progress.update(done / count, fmt::format("{} of {}  {}", done, spec.packing.count, note)); });
     }
     write_packings(options.output, "rve-farm", packings, dump);
     if (!options.quiet)
@@ -57,7 +75,7 @@ void add_pack(CLI::App& app) {
     command->add_option("specification", options->specification, "TOML file; --keys lists what it may hold");
     command->add_option("-o,--output", options->output, "HDF5 file of packings");
     command->add_option("--set", options->overrides, "key=value, overrides the file (repeatable)")->allow_extra_args(false);
-    command->add_option("--threads", options->threads, "0 = all; the packings do not depend on it")->check(CLI::NonNegativeNumber);
+    command->add_option("--threads", options->threads, "0 = all; the packings do not depend on it")->check(thread_count());
     command->add_flag("--quiet", options->quiet, "warnings and errors only");
     command->add_flag("--keys", options->keys, "lists every key of a specification");
     command->callback([options] { pack(*options); });

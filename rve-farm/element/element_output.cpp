@@ -64,6 +64,16 @@ void statistics(const std::vector<Rows>& all, Rows& mean, Rows& deviation) {
         for (double& value : row) value = std::sqrt(value);
 }
 
+// Curves of an earlier test with more RVEs would pass for ones of this.
+void remove_old_curves(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> old;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with("rve-") && name.ends_with(".csv") && name.find_first_not_of("0123456789", 4) == name.size() - 4) old.push_back(entry.path());
+    }
+    for (const auto& path : old) std::filesystem::remove(path);
+}
+
 void write_group(Hdf5File& file, const std::string& group, const Rows& rows) {
     std::vector<double> values(rows.size());
     for (std::size_t c = 0; c < std::size(columns); ++c) {
@@ -93,6 +103,7 @@ void write_element_curves(const std::filesystem::path& folder, const std::string
                           const std::vector<ElementCurve>& curves) {
     ensure(!curves.empty());
     make_folder(folder);
+    remove_old_curves(folder);
     const std::string by = "rve-farm " + version() + ": " + title;
     Hdf5File file = Hdf5File::create((folder / "curves.h5").string(), "rve-farm", "talik-element 1");
     file.set_attribute("/", "title", title);

@@ -9,6 +9,7 @@
 #include "common/base/error.hpp"
 #include "rve-farm/backend/farm.hpp"
 #include "rve-farm/element/servo.hpp"
+#include "rve-farm/element/status_words.hpp"
 
 namespace talik::farm {
 namespace {
@@ -54,7 +55,7 @@ public:
         ++steps_;
         for (std::size_t i = 0; i < ids_.size(); ++i)
             if (answers_[i].status != Status::ok)
-                fail(ExitCode::failed, fmt::format("RVE {} is {} at macro step {}", i, name_of(answers_[i].status), steps_),
+                fail(ExitCode::failed, fmt::format("at macro step {} RVE {} {}", steps_, i, in_words(answers_[i])),
                      "take a smaller rve.time_step or a lower rate");
     }
 

@@ -21,6 +21,8 @@ constexpr double loosest_start = 1.0;     // void ratio of the random discs
 constexpr int most_draws = 40;            // of discs, per packing
 constexpr double start_above = 4e-3;      // void ratio: compaction aims above the target by this
 constexpr double steps_of_lowering = 2000; // macro steps in which the friction would be lowered to 0
+constexpr long most_macro_steps = 400000; // of ten sub-steps, per packing: ten times what a hard one needs
+constexpr long steps_of_a_note = 500;     // macro steps between two notes on the search
 constexpr Equilibrium nearly{.stress_error = 1e-2, .unbalanced_force = 1e-2};
 
 // The mean void ratio over the preparation friction, of radii within a factor of two at an overlap of 1 %: where the search
@@ -39,12 +41,24 @@ double friction_guess(double void_ratio) {
 // falls continuously, where restarts at another friction scatter by more than the tolerance.
 class Search {
 public:
-    Search(const RveSpec& spec, std::uint64_t seed) : spec_(spec), seed_(seed), target_(spec.packing.void_ratio), shift_(start_above) {}
+    using Note = std::function<void(const std::string&)>;
+    Search(const RveSpec& spec, std::uint64_t seed, const Note& note) : spec_(spec), seed_(seed), note_(note), target_(spec.packing.void_ratio), shift_(start_above) {}
 
     Packing run() {
+        try {
+            return draws();
+        } catch (const StepsSpent& reached) {
+            give_up(reached);
+        }
+    }
+
+private:
+    Packing draws() {
         for (int draw = 0; draw < most_draws; ++draw) {
             const double friction = std::min(friction_guess(target_ + shift_), final_friction());
-            Press press(spec_, random_discs(spec_, seed_, draw, loosest_start), friction);
+            draw_ = draw;
+            say("compacting");
+            Press press(spec_, random_discs(spec_, seed_, draw, loosest_start), friction, &steps_left_);
             if (!press.settle(nearly)) continue;
             if (meets_target(press, friction)) return press.at_rest(spec_.packing.pressure, seed_);
             if (hopeless(draw)) break;
@@ -52,7 +66,10 @@ public:
         out_of_reach();
     }
 
-private:
+    void say(const std::string& what) const {
+        if (note_) note_(fmt::format("seed {}, draw {}: {}", seed_, draw_ + 1, what));
+    }
+
     double final_friction() const { return spec_.parameters.contact.friction; }
     double tolerance() const { return spec_.packing.void_ratio_tolerance; }
 
@@ -71,12 +88,14 @@ private:
                 friction = std::max(0.0, friction - lowering);
                 press.set_friction(friction);
                 press.step();
+                if (steps_left_ % steps_of_a_note == 0) say(fmt::format("void ratio {:.4f} on its way to {:g}", press.state().void_ratio, target_));
             }
             const bool rests = press.settle(nearly); // slides on for a while under the low friction
             if (friction > 0.0 && rests && press.state().void_ratio > target_ + 0.3 * tolerance()) continue;
             press.set_friction(final_friction());
             if (!press.settle({})) return false;
             const double error = press.state().void_ratio - target_;
+            if (!nearest_ || std::abs(error) < std::abs(*nearest_ - target_)) nearest_ = press.state().void_ratio;
             if (std::abs(error) <= tolerance()) return true;
             if (error < 0.0 || friction <= 0.0) { // fell through, or is as dense as it gets
                 if (friction <= 0.0) note_reach(press.state().void_ratio, true, false), shift_ -= error;
@@ -95,26 +114,43 @@ private:
         return draw >= 2 && ((least_ && *least_ > target_ + 0.02) || (most_ && *most_ < target_ - 0.02));
     }
 
-    double void_ratio_under(double friction) const {
-        Press press(spec_, random_discs(spec_, seed_, 0, loosest_start), friction);
+    double void_ratio_under(double friction) {
+        Press press(spec_, random_discs(spec_, seed_, 0, loosest_start), friction, &steps_left_);
         press.settle(nearly);
         press.set_friction(final_friction());
         press.settle(nearly);
         return press.state().void_ratio;
     }
 
-    [[noreturn]] void out_of_reach() const {
+    [[noreturn]] void out_of_reach() {
+        steps_left_ = most_macro_steps; // for the ends of the range
         const double least = least_ ? *least_ : void_ratio_under(0.0), most = most_ ? *most_ : void_ratio_under(final_friction());
+        if (least <= target_ && target_ <= most)
+            throw Error(ExitCode::bad_input, "rve.packing.void_ratio_tolerance",
+                        fmt::format("with {} discs the tolerance of {:g} is too tight: none of {} draws of seed {} came to rest within it of {:g}{}", spec_.packing.discs, tolerance(), draw_ + 1, seed_, target_,
+                                    nearest_ ? fmt::format("; the nearest had {:.4f}", *nearest_) : ""),
+                        "take more discs, a wider tolerance, or another seed");
         throw Error(ExitCode::bad_input, "rve.packing.void_ratio", fmt::format("{:g} is out of reach for seed {}", target_, seed_),
                     fmt::format("{} discs of these sizes at {:g} kPa with friction {:g} reach about {:.3f} to {:.3f}: choose a value in between", spec_.packing.discs,
                                 1e-3 * spec_.packing.pressure, final_friction(), least, most));
     }
 
+    [[noreturn]] void give_up(const StepsSpent& reached) const {
+        throw Error(ExitCode::bad_input, "rve.packing",
+                    fmt::format("no packing of void ratio {:g} within {} sub-steps (seed {}, draw {}): it stands at void ratio {:.4f}, {:.2g} % from the pressure, with an unbalanced force of {:.2g}", target_,
+                                10 * most_macro_steps, seed_, draw_ + 1, reached.void_ratio, 100.0 * reached.stress_error, reached.unbalanced_force),
+                    "take a wider void_ratio_tolerance or another void_ratio, sizes closer together, or a larger ratio of pressure times thickness to normal_stiffness");
+    }
+
     const RveSpec& spec_;
     std::uint64_t seed_;
+    const Note& note_;
+    long steps_left_ = most_macro_steps;
+    int draw_ = 0;
     double target_;
     double shift_;                       // compaction aims at target + shift
     std::optional<double> least_, most_; // void ratios met without and with all friction
+    std::optional<double> nearest_;      // to the target, of packings at rest with their final friction
 };
 
 Packing from_csv(const RveSpec& spec) {
@@ -132,24 +168,28 @@ Packing from_csv(const RveSpec& spec) {
 
 } // namespace
 
-Packing prepare_packing(const RveSpec& spec, std::uint64_t seed) { return Search(spec, seed).run(); }
+Packing prepare_packing(const RveSpec& spec, std::uint64_t seed, const std::function<void(const std::string&)>& note) { return Search(spec, seed, note).run(); }
 
-std::vector<Packing> prepare_packings(const RveSpec& spec, int threads, const std::function<void(int)>& progress) {
+std::vector<Packing> prepare_packings(const RveSpec& spec, int threads, const std::function<void(int, const std::string&)>& progress) {
     if (!spec.packing.by_specification()) return {from_csv(spec)};
     const int count = spec.packing.count;
     std::vector<Packing> packings(static_cast<std::size_t>(count));
     std::vector<std::exception_ptr> faults(packings.size());
     int done = 0;
+    const auto note = [&](const std::string& text) {
+#pragma omp critical(talik_packing_progress)
+        if (progress) progress(done, text);
+    };
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads > 0 ? threads : omp_get_max_threads())
     for (int i = 0; i < count; ++i) {
         const auto slot = static_cast<std::size_t>(i);
         try {
-            packings[slot] = prepare_packing(spec, spec.packing.seed + slot);
+            packings[slot] = prepare_packing(spec, spec.packing.seed + slot, note);
         } catch (...) {
             faults[slot] = std::current_exception();
         }
 #pragma omp critical(talik_packing_progress)
-        if (progress) progress(++done);
+        if (++done; progress) progress(done, "");
     }
     for (const auto& fault : faults)
         if (fault) std::rethrow_exception(fault);

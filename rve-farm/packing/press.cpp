@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "common/base/error.hpp"
+#include "rve-farm/element/status_words.hpp"
 
 namespace talik::farm {
 namespace {
@@ -56,12 +57,13 @@ ServoTargets isotropic(double pressure) {
 
 } // namespace
 
-Press::Press(const RveSpec& spec, const Packing& start, double friction)
-    : pressure_(spec.packing.pressure), sub_step_(sub_step_of(spec)),
+Press::Press(const RveSpec& spec, const Packing& start, double friction, long* steps_left)
+    : pressure_(spec.packing.pressure), sub_step_(sub_step_of(spec)), steps_left_(steps_left),
       farm_(of_preparation(spec, friction, sub_step_), {start}, {0}, one_thread()),
       servo_(isotropic(pressure_), compaction_rate(spec)), state_(farm_.measure(0)) {}
 
 void Press::step() {
+    if (steps_left_ && --*steps_left_ < 0) throw StepsSpent{state_.void_ratio, servo_.error(state_) / pressure_, state_.unbalanced_force};
     const std::uint32_t id = 0;
     const double increment = sub_steps * sub_step_;
     const auto strain = servo_.next(state_, increment);
@@ -72,7 +74,7 @@ void Press::step() {
         return;
     }
     if (answer.status != Status::ok)
-        fail(ExitCode::failed, fmt::format("preparing a packing failed: an RVE is {}", name_of(answer.status)), "check sizes, stiffness and pressure");
+        fail(ExitCode::failed, "preparing a packing failed: the assembly " + in_words(answer), "check sizes, stiffness and pressure");
     state_ = answer;
 }
 

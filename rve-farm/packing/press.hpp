@@ -13,10 +13,16 @@ struct Equilibrium {
     int lasting = 10;              // macro steps in a row
 };
 
+// Thrown where the steps allowed are spent: what was reached by then.
+struct StepsSpent {
+    double void_ratio, stress_error, unbalanced_force; // stress error over the pressure
+};
+
 class Press {
 public:
     // Preparation has a step and a damping of its own, so that a packing does not depend on those of the run it is for.
-    Press(const RveSpec& spec, const Packing& start, double friction);
+    // steps_left: macro steps allowed, shared by all presses of one search; null = no limit.
+    Press(const RveSpec& spec, const Packing& start, double friction, long* steps_left = nullptr);
 
     void step();                              // one macro step
     bool settle(const Equilibrium& wanted);   // false: not within a strain of some hundred per cent
@@ -28,6 +34,7 @@ public:
 private:
     double pressure_;  // Pa
     double sub_step_;  // s
+    long* steps_left_;
     Farm farm_;
     Servo servo_;
     Answer state_;
