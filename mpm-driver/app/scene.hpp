@@ -18,6 +18,7 @@ struct DomainSpec {
     Vector size = Vector::Zero();   // m
     double cell = 0.0;              // h, m
     double thickness = 1.0;         // out of plane, m
+    std::string volume_strain = "point"; // of a point: its own, or "cell": the mean over the points of its cell
 };
 
 // A body is a box or a polygon, filled with points.

@@ -19,6 +19,7 @@ Simulation::Simulation(const Scene& scene, Laws laws)
     require(!scene_.stages.empty(), "the scene has no stage", "add a [[stage]] with a duration");
     for (const BodySpec& body : scene_.bodies) half_size_.push_back(point_half_size(body, grid_.cell()));
     for (const WallSpec& wall : scene_.walls) walls_.emplace_back(wall, grid_);
+    if (scene_.domain.volume_strain == "cell") cell_means_.emplace(grid_, points_.count());
     begin_laws();
     ledger_.open(points_);
     build_schedule();
@@ -29,8 +30,10 @@ Simulation::Simulation(const Scene& scene, Laws laws)
 void Simulation::build_schedule() {
     schedule_.add("shape functions", [this] { supports_.update(grid_, points_, half_size_); });
     schedule_.add("points to grid", [this] { points_to_grid(points_, supports_, grid_); });
+    if (cell_means_) schedule_.add("points in cells", [this] { cell_means_->locate(grid_, points_); });
     schedule_.add("nodal forces", [this] {
-        nodal_forces(points_, supports_, scene_.confining_pressure, present_stage().gravity, grid_);
+        nodal_forces(points_, cell_means_ ? cell_means_->acting_stress(points_) : points_.stress, supports_, scene_.confining_pressure,
+                     present_stage().gravity, grid_);
     });
     schedule_.add("hold at walls", [this] {
         if (!prescribed_) hold_mapped_velocity(walls_, grid_, dt_, scene_.confining_pressure);
@@ -38,6 +41,7 @@ void Simulation::build_schedule() {
     schedule_.add("advance grid", [this] { advance_grid(grid_, dt_); });
     schedule_.add("walls", [this] { constrain_grid(); });
     schedule_.add("strain increments", [this] { strain_increments(grid_, supports_, dt_, points_); });
+    if (cell_means_) schedule_.add("volume strain of cells", [this] { cell_means_->average_volume_strain(points_); });
     schedule_.add("ask laws", [this] { submit_to_laws(); });
     schedule_.add("grid to points", [this] { move_points(); });
     schedule_.add("wait for laws", [this] { collect_from_laws(); });

@@ -17,6 +17,7 @@
 #include "mpm-driver/boundary/wall.hpp"
 #include "mpm-driver/constitutive/law.hpp"
 #include "mpm-driver/grid/grid.hpp"
+#include "mpm-driver/mechanics/cell_means.hpp"
 #include "mpm-driver/mechanics/ledger.hpp"
 #include "mpm-driver/mechanics/schedule.hpp"
 #include "mpm-driver/mechanics/step_limit.hpp"
@@ -88,6 +89,7 @@ private:
     Points points_;
     std::vector<double> half_size_; // l_p by body, m
     Supports supports_;
+    std::optional<CellMeans> cell_means_; // where the scene asks for them
     std::vector<Wall> walls_;
     std::vector<LawPoints> law_points_;
     std::optional<PrescribedField> prescribed_;

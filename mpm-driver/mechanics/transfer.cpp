@@ -21,11 +21,11 @@ void points_to_grid(const Points& points, const Supports& supports, Grid& grid) 
     });
 }
 
-void nodal_forces(const Points& points, const Supports& supports, double pressure, const Vector& gravity, Grid& grid) {
+void nodal_forces(const Points& points, const std::vector<Stress>& stress, const Supports& supports, double pressure, const Vector& gravity, Grid& grid) {
     each(grid.mass.size(), [&](std::size_t node) {
         Vector internal = Vector::Zero(), unit_pressure = Vector::Zero();
         supports.each_point_of(node, [&](std::uint32_t p, double, const Vector& gradient) {
-            const Stress& s = points.stress[p];
+            const Stress& s = stress[p];
             const double volume = points.volume[p];
             // f_I^int = -sum_p V_p sigma_p . grad phi_Ip, Eq. (22), N
             internal -= volume * Vector(s[0] * gradient[0] + s[2] * gradient[1], s[2] * gradient[0] + s[1] * gradient[1]);

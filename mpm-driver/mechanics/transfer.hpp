@@ -13,7 +13,8 @@ namespace talik::driver {
 void points_to_grid(const Points& points, const Supports& supports, Grid& grid);
 
 // Internal force and the force of a unit pressure on the free surface; then all forces but the walls'.
-void nodal_forces(const Points& points, const Supports& supports, double confining_pressure, const Vector& gravity, Grid& grid);
+// stress: of each point, as the nodes are to feel it.
+void nodal_forces(const Points& points, const std::vector<Stress>& stress, const Supports& supports, double confining_pressure, const Vector& gravity, Grid& grid);
 
 // v_I^{n+1} = v_I^n + dt f_I / m_I, before the walls.
 void advance_grid(Grid& grid, double dt);

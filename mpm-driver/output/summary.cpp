@@ -35,6 +35,7 @@ Effects effects_of(const Scene& scene) {
     say("local damping of discs", scene.rve && scene.rve->parameters.damping > 0.0, "rve.damping > 0", "rve.damping is 0, or no RVEs");
     say("fluctuation stress", scene.rve && scene.rve->parameters.fluctuation_stress, "rve.fluctuation_stress is true", "rve.fluctuation_stress is false");
     say("confining pressure", scene.confining_pressure != 0.0, "confining_pressure is set", "confining_pressure is 0");
+    say("volume strain by cells", scene.domain.volume_strain == "cell", "domain.volume_strain is \"cell\"", "domain.volume_strain is \"point\"");
     say("gravity", any_stage(scene, [](const StageSpec& s) { return s.gravity.squaredNorm() > 0.0; }), "a stage sets it", "no stage sets it");
     say("moving walls", any_stage(scene, [](const StageSpec& s) { return !s.moves.empty(); }), "a stage moves one", "no stage moves one");
     say("wall friction", wall_friction, "a wall has friction", "no wall has friction");
