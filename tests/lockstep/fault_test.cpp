@@ -167,6 +167,43 @@ TEST_CASE("SIGTERM ends a run in order, whichever program gets it: a checkpoint,
     check_restarts(pair.scene, pair.output, pair.cache);
 }
 
+TEST_CASE("Ctrl-C while no farm has come ends the driver at once: one line, exit code 1, nothing in /dev/shm", "[lockstep][fault]") {
+    const int signal = GENERATE(SIGINT, SIGTERM);
+    TemporaryFolder folder;
+    const fs::path scene = write_tiny_scene(folder);
+    const std::string name = unique_exchange_name();
+    Program driver({"mpm-driver", "run", scene.string(), "--output", (folder / "out").string(), "--quiet", "--exchange", "shm:" + name}, folder / "cache");
+    REQUIRE(appears("/dev/shm/talik-" + name, 30));
+    pause(0.1);
+    driver.send(signal);
+    const End end = driver.wait(10);
+    CHECK(end.code == 1);
+    CHECK(end.seconds < a_second + for_its_turn);
+    check_one_error(driver.errors(), signal == SIGINT ? "interrupted by SIGINT while waiting for the farm" : "interrupted by SIGTERM while waiting for the farm");
+    CHECK_FALSE(fs::exists("/dev/shm/talik-" + name));
+}
+
+TEST_CASE("Ctrl-C for both programs at once, at any moment of their start, is one line and exit code 1", "[lockstep][fault]") {
+    TemporaryFolder folder;
+    const fs::path cache = folder / "cache", scene = write_endless_scene(folder);
+    REQUIRE(run_to_end({"mpm-driver", "explain", scene.string()}, cache).end.code == 0); // prepares the packings
+    for (int trial = 0; trial < 30; ++trial) {
+        const int signal = trial % 3 == 2 ? SIGTERM : SIGINT;
+        const double moment = 0.003 * trial; // s after the launch of the farm
+        CAPTURE(trial, signal, moment);
+        Program run({"mpm-driver", "run", scene.string(), "--output", (folder / "out").string(), "--quiet", "--threads", "1"}, cache);
+        for (const double until = now() + 30; !run.child() && now() < until;) pause(0.0002);
+        pause(moment);
+        REQUIRE(kill(-run.pid(), signal) == 0); // as a terminal does
+        const End end = run.wait(10);
+        run.orphans(10);
+        CAPTURE(run.text());
+        CHECK(end.code == 1);
+        check_one_error(run.errors(), signal == SIGINT ? "SIGINT" : "SIGTERM"); // interrupted by ..., or stopped by ... at t = ...
+        CHECK(segments_made_by(run.pid()).empty());
+    }
+}
+
 TEST_CASE("A farm is told why its driver failed, and says so", "[lockstep][fault]") {
     // The plate runs out of the domain's lower end: the points leave with it.
     TemporaryFolder folder;

@@ -94,6 +94,33 @@ TEST_CASE("A half-written checkpoint is no checkpoint: the next run removes it",
     CHECK(halves(output).empty());
 }
 
+TEST_CASE("A checkpoint with one damaged byte, wherever it lies, is refused in one line with exit code 2", "[lockstep][restart]") {
+    TemporaryFolder folder;
+    const fs::path scene = write_tiny_scene(folder), cache = folder / "cache", output = folder / "out";
+    REQUIRE(run_to_end(run_command(scene, output, {"--until", "0.005"}), cache).end.code == 0);
+    const fs::path checkpoint = checkpoints(output).front();
+    for (const char* file : {"rve/farm.h5", "rve/law.h5", "driver.h5"}) {
+        const std::string sound = content(checkpoint / file);
+        // The tables of HDF5 stand first, then numbers, then the seal: places spread evenly meet all of them.
+        constexpr std::size_t places = 8;
+        for (std::size_t place = 0; place < places; ++place) {
+            const std::size_t at = place * (sound.size() - 1) / (places - 1);
+            std::string damaged = sound;
+            damaged[at] = static_cast<char>(~damaged[at]);
+            std::ofstream(checkpoint / file, std::ios::binary) << damaged;
+            const Finished restarted = run_to_end(run_command(scene, folder / "restarted", {"--restart", checkpoint.string()}), cache);
+            CAPTURE(file, at, sound.size(), restarted.end.signal, restarted.text);
+            CHECK(restarted.end.code == 2);
+            REQUIRE(restarted.errors.size() == 1);
+            CHECK_CONTAINS(restarted.errors[0], (checkpoint / file).string());
+            CHECK_CONTAINS(restarted.errors[0], "is damaged");
+            CHECK_CONTAINS(restarted.errors[0], "take another checkpoint");
+        }
+        std::ofstream(checkpoint / file, std::ios::binary) << sound;
+    }
+    CHECK(run_to_end(run_command(scene, output, {"--restart", checkpoint.string(), "--until", "0.01"}), cache).end.code == 0);
+}
+
 TEST_CASE("Fields that a killed run left damaged do not bar the restart from a sound checkpoint", "[lockstep][restart]") {
     TemporaryFolder folder;
     const fs::path scene = write_tiny_scene(folder), cache = folder / "cache", output = folder / "out";
