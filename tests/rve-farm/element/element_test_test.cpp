@@ -1,10 +1,13 @@
 #include "rve-farm/element/element_test.hpp"
 
 #include <cmath>
+#include <filesystem>
 
 #include "common/io/csv_table.hpp"
 #include "common/io/hdf5_file.hpp"
 #include "common/packing/packing_csv.hpp"
+#include "common/base/error.hpp"
+#include "rve-farm/element/element_doubts.hpp"
 #include "rve-farm/element/element_output.hpp"
 #include "tests/support/text.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -119,7 +122,9 @@ TEST_CASE("files of an element test hold the curves, compression positive, and t
     a.strain_yy = b.strain_yy = -0.01;
     a.answer.stress = {-1e5, -2e5, 3.0};
     b.answer.stress = {-1e5, -4e5, 5.0};
+    write_element_curves(folder, "of an earlier test", "", {{a}, {a}, {a}});
     write_element_curves(folder, "by hand", "title = \"by hand\"", {{a}, {b}});
+    CHECK_FALSE(std::filesystem::exists(folder + "/rve-0002.csv")); // of the earlier test: not of this one
     const CsvTable one = read_csv(folder + "/rve-0001.csv"), mean = read_csv(folder + "/mean.csv");
     CHECK(one.values("stress_yy_compression_Pa") == std::vector<double>{4e5});
     CHECK(one.values("log_strain_yy_compression") == std::vector<double>{0.01});
@@ -130,4 +135,30 @@ TEST_CASE("files of an element test hold the curves, compression positive, and t
     CHECK(file.read<double>("/rve/0001/stress_yy_compression_Pa").values == std::vector<double>{4e5});
     CHECK(file.read<double>("/mean/stress_ratio_yy_to_xx").values == std::vector<double>{3.0});
     CHECK(contains(file.read_text("/specification"), "by hand"));
+}
+
+TEST_CASE("a pressure that was not held is said, and curves that mean nothing are refused") {
+    ElementTest test = test_of("biaxial", 0.1);
+    Packing packing = medium();
+    packing.pressure = test.pressure;
+    CHECK(doubts_before(test, {packing}).empty());
+    packing.pressure = 0.5 * test.pressure;
+    CHECK(doubts_before(test, {packing}).size() == 1);
+    test.settle = true;
+    CHECK(doubts_before(test, {packing}).empty());
+
+    ElementRow row;
+    row.answer.void_ratio = 0.2;
+    const auto ended_at = [&](double share) { // of the pressure to be held
+        row.answer.stress = {-share * test.pressure, -3e5, 0.0};
+        return std::vector<ElementCurve>{{row}};
+    };
+    CHECK(doubts_after(test, ended_at(1.04)).empty());
+    CHECK(doubts_after(test, ended_at(0.9)).size() == 1);
+    CHECK_NOTHROW(refuse_nonsense(test, ended_at(0.9)));
+    CHECK_THROWS_AS(refuse_nonsense(test, ended_at(0.3)), Error);
+    test.path = "isochoric"; // holds no stress
+    CHECK_NOTHROW(refuse_nonsense(test, ended_at(0.3)));
+    row.answer.void_ratio = -0.1;
+    CHECK_THROWS_AS(refuse_nonsense(test, ended_at(1.0)), Error);
 }

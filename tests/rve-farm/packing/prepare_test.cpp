@@ -110,6 +110,25 @@ TEST_CASE("a void ratio out of reach is refused with the range that can be reach
     }
 }
 
+TEST_CASE("a target inside the reachable range that is missed for its tolerance is said to be too tight, not out of reach") {
+    RveSpec spec = hundred_discs(0.2);
+    spec.packing.discs = 8; // a handful of discs jumps past a target: contacts open one by one
+    spec.packing.void_ratio_tolerance = 1e-6;
+    const std::string problem = problem_of(spec);
+    CAPTURE(problem);
+    CHECK_FALSE(contains(problem, "out of reach"));
+    CHECK((contains(problem, "with 8 discs the tolerance of 1e-06 is too tight") || contains(problem, "sub-steps (seed 1")));
+}
+
+TEST_CASE("a packing that does not come to rest is given up after a bounded number of sub-steps, with what was reached") {
+    RveSpec spec = hundred_discs(0.2);
+    spec.packing.discs = 4;
+    spec.packing.pressure = 1e-2; // compaction takes sqrt(k_n / (p t)) times the sub-steps: 3000 times those at 100 kPa
+    const std::string problem = problem_of(spec);
+    CHECK_CONTAINS(problem, "no packing of void ratio 0.2 within 4000000 sub-steps (seed 1, draw ");
+    CHECK_CONTAINS(problem, "with an unbalanced force of");
+}
+
 TEST_CASE("discs from CSV with their contacts are kept as they are; discs alone are brought to the pressure") {
     const std::string yade = TALIK_SOURCE_DIR "/tests/reference/yade/packing_medium_";
     RveSpec spec;
