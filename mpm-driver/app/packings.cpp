@@ -62,7 +62,7 @@ std::vector<Packing> prepared(const RveSpec& rve, int threads, bool quiet) {
         try {
             return read_packings(target.string());
         } catch (const Error& error) {
-            log::warn("{}: it is removed and prepared again", error.what());
+            log::warn("{}{}{}; it is removed and prepared again", error.where(), error.where().empty() ? "" : ": ", error.problem());
             std::error_code why;
             fs::remove_all(target, why);
             if (why) throw Error(ExitCode::bad_input, target.string(), "is damaged and cannot be removed: " + why.message(), "set TALIK_CACHE to a folder you may write to");

@@ -47,9 +47,9 @@ void pack(const PackOptions& options) {
     }
     require(!options.specification.empty() && !options.output.empty(), "pack: a specification and -o are needed", "see rve-farm pack --help");
     log::start("rve-farm", options.quiet);
+    check_output(options.output);
     std::string dump;
     const RveSpec spec = read_pack_specification(options.specification, options.overrides, dump);
-    check_output(options.output);
     std::vector<Packing> packings;
     {
         Progress progress("packings", options.quiet);

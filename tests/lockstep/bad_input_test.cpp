@@ -3,6 +3,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/text.hpp"
 
+#include <csignal>
 #include <unistd.h>
 
 #include <fstream>
@@ -28,6 +29,8 @@ const std::vector<BadScene> bad_scenes = {
     {"TOML that is none", {{"seed = 3", "seed = = 3"}}, {"scene.toml:2"}},
     {"a body outside of the domain", {{"box", "box = [[\"0 m\", \"0 m\"], [\"0.2 m\", \"2 m\"]]"}}, {"body.0.box", "lies outside the domain"}},
     {"a wall that is none", {{"moves", "moves = [\"plat\"]"}}, {"stage.0.moves", "its walls are: base, plate"}},
+    {"a grid beyond all memory", {{"cell", "cell = \"1e-6 m\""}}, {"domain.cell: 1e-06 m makes 1.2e+11 cells"}},
+    {"a damping that turns the motion round", {{"pic", "grid_damping = 1e6"}}, {"stage.0.grid_damping: 1e+06 1/s times the step of"}, false},
     {"a packing that is missing", {{"discs", "file = \"none.h5\""}, {"void_ratio =", ""}, {"void_ratio_tol", ""}, {"count", ""}}, {"none.h5"}, false},
     {"a void ratio out of reach", {{"void_ratio =", "void_ratio = 0.05"}, {"void_ratio_tol", "void_ratio_tolerance = 0.001"}, {"count", ""}},
      {"out of reach", " to ", "choose a value in between"}, false},
@@ -82,6 +85,13 @@ TEST_CASE("A call that cannot be meant is one line and exit code 2", "[lockstep]
         {{"mpm-driver", "run", scene, "--output", output, "--exchange", "shm:a/b"}, "is no name for an exchange"},
         {{"mpm-driver", "run", scene, "--output", output, "--set", "rve.contact.frictoin=1"}, "friction"},
         {{"mpm-driver", "run", scene, "--output", scene + "/below-a-file"}, "cannot be written"},
+        {{"mpm-driver", "run", scene, "--output", ""}, "--output: must not be empty"},
+        {{"mpm-driver", "run", scene, "--output", output, "--until", "nan"}, "--until: must be a number > 0"},
+        {{"mpm-driver", "run", scene, "--output", output, "--stall-seconds", "nan"}, "--stall-seconds: must be a number > 0"},
+        {{"mpm-driver", "run", scene, "--output", output, "--threads", "-1"}, "--threads: must be a whole number from 0"},
+        {{"mpm-driver", "run", scene, "--output", output, "--backend", "cuda"}, "this build has no CUDA backend"},
+        {{"rve-farm", "pack", scene, "-o", folder.path().string()}, "is a folder"},
+        {{"rve-farm", "pack", scene, "-o", (folder / "none/packing.h5").string()}, "its folder does not exist"},
         {{"rve-farm", "serve", "--exchange", "pigeon:post"}, "no such transport"},
         {{"rve-farm", "serve", "--exchange", "shm:" + unique_exchange_name(), "--backend", "cuda"}, "no CUDA backend"},
     };
@@ -110,4 +120,44 @@ TEST_CASE("An output folder that may not be written to is named before anything 
     CHECK(run.end.code == 2);
     CHECK_CONTAINS(run.text, "cannot be written: Permission denied");
     CHECK_FALSE(fs::exists(cache / "packings"));
+}
+
+TEST_CASE("Two runs do not share an output folder: the second is refused, the first goes on", "[lockstep][fault]") {
+    TemporaryFolder folder;
+    const std::string scene = write_endless_scene(folder).string(), output = (folder / "out").string();
+    Program first({"mpm-driver", "run", scene, "--output", output, "--quiet"}, folder / "cache");
+    REQUIRE(appears(folder / "out/history.csv", 30.0));
+    const Finished second = run_to_end({"mpm-driver", "run", scene, "--output", output, "--quiet"}, folder / "cache");
+    CAPTURE(second.text);
+    CHECK(second.end.code == 2);
+    CHECK_CONTAINS(second.text, "is in use by another run");
+    CHECK(first.running());
+    first.send(SIGINT);
+    CHECK(first.wait(30.0).code == 1);
+    first.orphans(30.0);
+}
+
+TEST_CASE("A damaged packing in the cache is prepared again; a run from the start removes checkpoints of an earlier one", "[lockstep][fault]") {
+    TemporaryFolder folder;
+    const fs::path cache = folder / "cache", output = folder / "out";
+    const std::vector<std::string> call = {"mpm-driver", "run", write_tiny_scene(folder).string(), "--output", output.string()};
+    REQUIRE(run_to_end(call, cache).end.code == 0);
+    fs::create_directory(output / "checkpoint-000999999");
+    for (const auto& entry : fs::directory_iterator(cache / "packings")) fs::resize_file(entry.path(), 1000);
+    const Finished again = run_to_end(call, cache);
+    CAPTURE(again.text);
+    CHECK(again.end.code == 0);
+    CHECK_CONTAINS(again.text, "it is removed and prepared again");
+    CHECK_CONTAINS(again.text, "of an earlier run");
+    CHECK_FALSE(fs::exists(output / "checkpoint-000999999"));
+}
+
+TEST_CASE("A cache that cannot be written is mended by TALIK_CACHE", "[lockstep][fault]") {
+    TemporaryFolder folder;
+    const fs::path cache = folder / "cache";
+    fs::create_directory(cache);
+    std::ofstream(cache / "packings") << "a file where the folder belongs";
+    const Finished run = run_to_end({"mpm-driver", "run", write_tiny_scene(folder).string(), "--output", (folder / "out").string(), "--quiet"}, cache);
+    CHECK(run.end.code == 2);
+    CHECK_CONTAINS(run.text, "set TALIK_CACHE to a folder you may write to");
 }
