@@ -8,7 +8,7 @@
 namespace talik {
 namespace {
 
-constexpr std::uint32_t setup_version = 1;
+constexpr std::uint32_t setup_version = 2;
 
 void put_parameters(ByteWriter& out, const RveParameters& p) {
     out.put(p.contact.normal_stiffness);
@@ -19,6 +19,8 @@ void put_parameters(ByteWriter& out, const RveParameters& p) {
     out.put(bond.normal_strength);
     out.put(bond.tangential_strength);
     out.put(bond.strength_factor);
+    out.put(static_cast<std::uint8_t>(bond.rebond_on_freezing));
+    out.put(bond.rebond_ice_saturation);
     out.put(p.grain_density);
     out.put(p.thickness);
     out.put(p.damping);
@@ -38,6 +40,8 @@ RveParameters get_parameters(ByteReader& in) {
     bond.normal_strength = in.get<double>();
     bond.tangential_strength = in.get<double>();
     bond.strength_factor = in.get<double>();
+    bond.rebond_on_freezing = in.get<std::uint8_t>() != 0;
+    bond.rebond_ice_saturation = in.get<double>();
     if (bonded) p.bond = bond;
     p.grain_density = in.get<double>();
     p.thickness = in.get<double>();
@@ -54,6 +58,8 @@ void put_packing(ByteWriter& out, const Packing& packing) {
     out.put(packing.thickness);
     out.put(packing.grain_density);
     out.put(packing.pressure);
+    out.put(packing.vertical_stress);
+    out.put(packing.lateral_stress);
     out.put(packing.seed);
     for (const auto* column : {&packing.x, &packing.y, &packing.radius, &packing.velocity_x, &packing.velocity_y, &packing.spin})
         out.array(*column);
@@ -74,6 +80,8 @@ Packing get_packing(ByteReader& in) {
     packing.thickness = in.get<double>();
     packing.grain_density = in.get<double>();
     packing.pressure = in.get<double>();
+    packing.vertical_stress = in.get<double>();
+    packing.lateral_stress = in.get<double>();
     packing.seed = in.get<std::uint64_t>();
     for (auto* column : {&packing.x, &packing.y, &packing.radius, &packing.velocity_x, &packing.velocity_y, &packing.spin})
         *column = in.array<double>();

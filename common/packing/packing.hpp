@@ -24,6 +24,8 @@ struct Packing {
     std::vector<double> velocity_x, velocity_y, spin; // non-affine velocity m/s, spin 1/s (empty = at rest)
     std::vector<PackedContact> contacts;
     double pressure = 0.0;            // Pa it was prepared at (compression positive), for information
+    double vertical_stress = 0.0;     // Pa, compression positive: of a snapshot along a K0 path; 0 = isotropic, at `pressure`
+    double lateral_stress = 0.0;      // Pa, compression positive: measured in that snapshot
     std::uint64_t seed = 0;
     double stiffness = 0.0;           // Pa: P-wave modulus of the contacts (upper bound), for information; 0 = not known
     double stable_step = 0.0;         // s: 2/omega_max of the contact network, for information; 0 = not known

@@ -34,6 +34,8 @@ void write_packing(Hdf5File& file, const std::string& group, const Packing& p) {
     file.set_attribute(group, "thickness_m", p.thickness);
     file.set_attribute(group, "grain_density_kg_m3", p.grain_density);
     file.set_attribute(group, "pressure_Pa", p.pressure);
+    file.set_attribute(group, "vertical_stress_Pa", p.vertical_stress);
+    file.set_attribute(group, "lateral_stress_Pa", p.lateral_stress);
     file.set_attribute(group, "void_ratio", p.void_ratio());
     file.set_attribute(group, "seed", static_cast<std::int64_t>(p.seed));
     file.set_attribute(group, "stiffness_Pa", p.stiffness);
@@ -83,6 +85,10 @@ Packing read_packing(const Hdf5File& file, const std::string& group) {
     p.thickness = file.number_attribute(group, "thickness_m");
     p.grain_density = file.number_attribute(group, "grain_density_kg_m3");
     p.pressure = file.number_attribute(group, "pressure_Pa");
+    if (file.has_attribute(group, "vertical_stress_Pa")) { // not in files from before there were K0 paths
+        p.vertical_stress = file.number_attribute(group, "vertical_stress_Pa");
+        p.lateral_stress = file.number_attribute(group, "lateral_stress_Pa");
+    }
     p.seed = static_cast<std::uint64_t>(file.integer_attribute(group, "seed"));
     p.stiffness = file.number_attribute(group, "stiffness_Pa");
     p.stable_step = file.number_attribute(group, "stable_step_s");

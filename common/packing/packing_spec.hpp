@@ -1,11 +1,22 @@
 #pragma once
 // What an RVE starts from and is made of, as a scene or a test asks for it.
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "common/physics/rve_parameters.hpp"
 
 namespace talik {
+
+// Snapshots along one K0 compression (no lateral strain) of each packing, at rest at vertical stresses between two ends.
+struct K0Spec {
+    int levels = 8;
+    std::string spacing = "linear";              // of the stresses, or "geometric"
+    std::optional<double> stress_min, stress_max; // Pa, compression positive; empty = those of the scene's depths
+
+    std::vector<double> stresses() const; // Pa, ascending; both ends must be known
+};
 
 // Where packings come from: a file of `rve-farm pack`, CSV, or a specification (prepared at the first run and cached).
 struct PackingSpec {
@@ -18,6 +29,7 @@ struct PackingSpec {
     double pressure = 1e5;                         // Pa, compression positive
     std::uint64_t seed = 1;
     int count = 1;                                 // packings of seeds seed, seed+1, ...; dealt out in a seeded random order
+    std::optional<K0Spec> k0;                      // each at the stresses of depth, one after the other in the file
 
     bool by_specification() const { return file.empty() && particles.empty(); }
 };

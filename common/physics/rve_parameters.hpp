@@ -16,6 +16,9 @@ struct BondParameters {
     double normal_strength = 1e7;     // c_n, Pa
     double tangential_strength = 1e7; // c_t, Pa
     double strength_factor = 1.0;     // beta_a, -: the strength at full ice saturation
+    // Bonds form anew at the contacts present once S_i, having been below the threshold, reaches it again.
+    bool rebond_on_freezing = false;
+    double rebond_ice_saturation = 0.5; // the threshold, -
 };
 
 struct RveParameters {

@@ -14,6 +14,8 @@ void check_packing(const PackingSpec& p, const Place& at) {
     if (sources == 0) at.fault("void_ratio", "is missing", "give void_ratio for a packing to be prepared, or file, or particles");
     if (sources > 1) at.fault(at.has("file") ? "file" : "particles", "is given beside another source of the packing", "give one of file, particles, void_ratio");
     if (at.has("contacts") && !at.has("particles")) at.fault("contacts", "is given without particles", "give the CSV file of the discs as well");
+    if (p.k0 && !p.by_specification()) at.fault("k0", "is given for packings from a file", "leave it out: snapshots of a K0 path come with a file of `rve-farm pack`");
+    if (p.k0 && p.k0->stress_min && *p.k0->stress_min < p.pressure) at.fault("pressure", fmt::format("{:g} Pa, where the K0 path begins, is above its lowest stress of {:g} Pa", p.pressure, *p.k0->stress_min), "prepare at a lower pressure: a half of the lowest stress or less");
     if (p.radius_max < p.radius_min) at.fault("radius_max", "is smaller than radius_min", "exchange the two");
     if (p.radius_max >= p.radius_min && p.radius_min < p.radius_max / 100.0)
         at.fault("radius_min", "is less than a hundredth of radius_max", "bring the sizes closer: the smallest disc sets the DEM step, the largest the neighbour search");
@@ -37,6 +39,22 @@ void check_preparation(const RveSpec& rve, const Place& at) {
         at.fault("packing", fmt::format("the pressure presses discs into each other by only {:.2g} of their size: beyond the precision of positions", overlap), "take a smaller contact.normal_stiffness, or a higher pressure or thickness: p t / k_n at least 1e-9");
 }
 
+void check_k0(const K0Spec& k0, const Place& at) {
+    if (k0.stress_min.has_value() != k0.stress_max.has_value()) at.fault(k0.stress_min ? "stress_min" : "stress_max", "is given without the other end", "give both, or neither: then they are those of the scene's depths");
+    if (k0.stress_min && k0.stress_max && *k0.stress_max < *k0.stress_min) at.fault("stress_max", "is smaller than stress_min", "exchange the two");
+}
+
+Table<K0Spec> k0_table() {
+    using K = K0Spec;
+    Table<K> table("Packings at the stress of their depth: each is compressed without lateral strain from `pressure` on, and kept at rest at a number of vertical stresses; an RVE starts from the one nearest to its depth's.");
+    table.whole("levels", &K::levels, between(1, 1000), "vertical stresses at which the packing is kept; as many as there are rows of points make level ground start at rest")
+        .choice("spacing", &K::spacing, {"linear", "geometric"}, "of these stresses")
+        .optional_quantity("stress_min", &K::stress_min, pressure, positive(), "the lowest, compression positive; left out: that of the shallowest point, at least `pressure`")
+        .optional_quantity("stress_max", &K::stress_max, pressure, positive(), "the highest; left out: that of the deepest point under the gravity of the first stage")
+        .check(check_k0);
+    return table;
+}
+
 Table<PackingSpec> packing_table() {
     using P = PackingSpec;
     Table<P> table("The packing that RVEs start from: prepared from a void ratio and a pressure, or read from a file.");
@@ -51,6 +69,7 @@ Table<PackingSpec> packing_table() {
         .quantity("pressure", &P::pressure, Dimension::pressure, positive(), "isotropic pressure it is prepared at, compression positive")
         .whole("seed", &P::seed, any(), "of every random draw")
         .whole("count", &P::count, between(1, 9999), "packings, of seeds seed, seed + 1, ...; dealt out to the RVEs in a seeded random order")
+        .template optional_table<K0Spec>("k0", &P::k0, k0_table())
         .check(check_packing);
     return table;
 }
@@ -70,7 +89,9 @@ Table<BondParameters> bond_table() {
     Table<B> table("Bonds of ice at contacts (Eqs. 6-8), from the stage on that activates them.");
     table.quantity("normal_strength", &B::normal_strength, pressure, not_negative(), "c_n: a bond breaks in tension beyond beta_b c_n r^2, r the smaller radius")
         .quantity("tangential_strength", &B::tangential_strength, pressure, not_negative(), "c_t: and in shear beyond beta_b c_t r^2")
-        .number("strength_factor", &B::strength_factor, not_negative(), "beta_a: beta_b = beta_a S_i, S_i the ice saturation");
+        .number("strength_factor", &B::strength_factor, not_negative(), "beta_a: beta_b = beta_a S_i, S_i the ice saturation")
+        .flag("rebond_on_freezing", &B::rebond_on_freezing, "bonds form anew, at the contacts present, where ground that has thawed freezes again")
+        .number("rebond_ice_saturation", &B::rebond_ice_saturation, {.least = 0.0, .most = 1.0, .above_least = true}, "S_i below which an RVE counts as thawed, and at which it bonds anew");
     return table;
 }
 

@@ -13,6 +13,7 @@
 #include "mpm-driver/constitutive/elastic.hpp"
 #include "mpm-driver/mechanics/step_limit.hpp"
 #include "mpm-driver/output/summary.hpp"
+#include "mpm-driver/points/overburden.hpp"
 #include "mpm-driver/points/seed.hpp"
 
 namespace talik::driver {
@@ -83,6 +84,7 @@ void explain_steps(const Scene& scene, const Grid& grid, const Points& points, c
 int explain(const std::string& scene_file, const std::vector<std::string>& set, int threads) {
     Scene scene = read_scene(scene_file, set);
     std::vector<Packing> packings;
+    complete_k0_range(scene);
     if (scene.rve) packings = obtain_packings(*scene.rve, threads, false);
     for (BodySpec& body : scene.bodies)
         if (body.law == "rve" && !body.density) body.density = bulk_density(packings, scene.rve->parameters.grain_density);

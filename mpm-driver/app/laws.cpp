@@ -9,6 +9,7 @@
 #include "common/base/version.hpp"
 #include "mpm-driver/app/packings.hpp"
 #include "mpm-driver/constitutive/elastic.hpp"
+#include "mpm-driver/points/overburden.hpp"
 
 namespace talik::driver {
 
@@ -21,6 +22,7 @@ double bulk_density(const std::vector<Packing>& packings, double grain_density) 
 std::vector<std::string> packing_warnings(const Scene& scene, const std::vector<Packing>& packings) {
     std::vector<std::string> warnings;
     double pressure = 0.0; // Pa, mean over the packings
+    if (!packings.empty() && packings.front().vertical_stress > 0.0) return warnings; // at the stress of depth: level by level
     for (const Packing& packing : packings) pressure += packing.pressure / static_cast<double>(packings.size());
     if (scene.confining_pressure > 0.0 && pressure > 0.0 && std::abs(pressure - scene.confining_pressure) > 0.01 * scene.confining_pressure)
         warnings.push_back(fmt::format("the packings were prepared at {:.4g} Pa, the confining pressure is {:.4g} Pa: the run starts with a shock",
@@ -34,6 +36,7 @@ SceneLaws make_laws(Scene& scene, const RunOptions& options) {
     if (scene.rve) {
         FarmSetup setup;
         setup.parameters = scene.rve->parameters;
+        complete_k0_range(scene);
         setup.packings = obtain_packings(*scene.rve, options.threads, options.quiet);
         for (BodySpec& body : scene.bodies)
             if (body.law == "rve" && !body.density) body.density = bulk_density(setup.packings, setup.parameters.grain_density);
@@ -45,6 +48,7 @@ SceneLaws make_laws(Scene& scene, const RunOptions& options) {
         hello.run_id = out.partner_->run_id();
         hello.scene_hash = scene.hash;
         auto law = std::make_unique<FarmLaw>(out.partner_->channel(), hello, std::move(setup), scene.seed);
+        law->start_at_depth(Overburden(scene));
         out.farm_ = law.get();
         out.laws_["rve"] = std::move(law);
     }

@@ -60,6 +60,7 @@ struct StageSpec {
     double pic = 0.0;                     // alpha_PIC per step, in [0, 1] (Eq. 34)
     std::vector<std::string> moves;       // walls that move in this stage
     std::vector<std::string> activates;   // at its start: "bonds"
+    std::vector<std::string> activates_in; // names of bodies; empty = in all
 };
 
 struct StepSpec {

@@ -87,6 +87,11 @@ void check_stages(const Scene& scene, const Place& at) {
             else if (scene.walls[static_cast<std::size_t>(wall - names.begin())].velocity == 0.0)
                 item(at, "stage", i).fault("moves", fmt::format("the wall \"{}\" has no velocity", moved), "give it one in its [[wall]]");
         }
+        if (stage.activates.empty() && !stage.activates_in.empty())
+            item(at, "stage", i).fault("activates_in", "is given for a stage that activates nothing", "add activates = [\"bonds\"], or leave this out");
+        for (const std::string& name : stage.activates_in)
+            if (std::none_of(scene.bodies.begin(), scene.bodies.end(), [&](const BodySpec& body) { return body.name == name && body.law == "rve"; }))
+                item(at, "stage", i).fault("activates_in", fmt::format("\"{}\" is no body of RVEs in this scene", name), "name bodies of law \"rve\"");
         if (!stage.activates.empty() && !(scene.rve && scene.rve->parameters.bond))
             item(at, "stage", i).fault("activates", "\"bonds\" needs the table [rve.bond]", "add that table, or leave this out");
     }

@@ -123,7 +123,8 @@ Table<StageSpec> stage_table() {
         .quantity("grid_damping", &S::grid_damping, rate, not_negative(), "alpha_g (Eq. 34)")
         .number("pic", &S::pic, between(0, 1), "alpha_PIC, fraction of PIC per step (Eq. 34)")
         .texts("moves", &S::moves, {}, "names of the walls that move")
-        .texts("activates", &S::activates, {"bonds"}, "switched on at its start");
+        .texts("activates", &S::activates, {"bonds"}, "switched on at its start")
+        .texts("activates_in", &S::activates_in, {}, "names of the bodies in which it is switched on; none = all");
     return table;
 }
 

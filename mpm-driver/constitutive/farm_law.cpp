@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <random>
 
 #include "common/base/error.hpp"
 #include "common/io/byte_stream.hpp"
@@ -13,6 +12,7 @@
 #include "common/physics/clock.hpp"
 #include "common/physics/rve_columns.hpp"
 #include "exchange/sealed_file.hpp"
+#include "mpm-driver/constitutive/packing_choice.hpp"
 
 namespace talik::driver {
 namespace {
@@ -34,14 +34,6 @@ std::vector<Column> asked_for() {
 
 } // namespace
 
-std::vector<int> deal_packings(int count, int packings, std::uint64_t seed) {
-    std::vector<int> dealt(static_cast<std::size_t>(count));
-    for (int i = 0; i < count; ++i) dealt[static_cast<std::size_t>(i)] = i % packings;
-    std::mt19937_64 random(seed); // its numbers are the same everywhere; std::shuffle's order is not
-    for (std::size_t i = dealt.size(); i > 1; --i) std::swap(dealt[i - 1], dealt[random() % i]);
-    return dealt;
-}
-
 FarmLaw::FarmLaw(exchange::Channel& channel, exchange::Hello hello, FarmSetup setup, std::uint64_t seed)
     : farm_(channel), hello_(std::move(hello)), setup_(std::move(setup)), seed_(seed) {
     hello_.role = exchange::Role::driver;
@@ -60,7 +52,13 @@ void FarmLaw::begin(std::span<const std::uint32_t> ids, const Points& points, La
     reported_.assign(reported_columns.size(), std::vector<double>(points.count(), 0.0));
     const auto count = static_cast<std::uint32_t>(ids.size());
     for (std::uint32_t rve = 0; rve < count; ++rve) rve_of_point_[ids[rve]] = rve;
-    setup_.packing_of_rve = deal_packings(static_cast<int>(count), static_cast<int>(setup_.packings.size()), seed_);
+    if (vertical_stress_ && k0_levels(setup_.packings) > 1) {
+        std::vector<double> vertical; // Pa, of each RVE
+        for (const std::uint32_t id : ids) vertical.push_back(vertical_stress_(points.position[id]));
+        setup_.packing_of_rve = deal_packings_by_depth(setup_.packings, vertical, seed_);
+    } else {
+        setup_.packing_of_rve = deal_packings(static_cast<int>(count), static_cast<int>(setup_.packings.size()), seed_);
+    }
     for (std::uint32_t rve = 0; rve < count; ++rve) {
         const Packing& packing = setup_.packings[static_cast<std::size_t>(setup_.packing_of_rve[rve])];
         const double rve_volume = std::abs(packing.cell.determinant()) * setup_.parameters.thickness;
@@ -161,9 +159,14 @@ double FarmLaw::dem_time_step() const {
     return latest_time_increment_ / substeps_of(setup_.parameters, latest_time_increment_);
 }
 
-bool FarmLaw::activate(const std::string& effect) {
+bool FarmLaw::activate(const std::string& effect, std::span<const std::uint32_t> points) {
     if (effect != "bonds") return false;
-    farm_.command("activate bonds");
+    std::vector<std::uint32_t> rves;
+    for (const std::uint32_t point : points)
+        if (const std::uint32_t rve = rve_of_point_[point]; rve < point_of_rve_.size() && point_of_rve_[rve] == point) rves.push_back(rve);
+    ByteWriter ids;
+    ids.array(rves);
+    farm_.command("activate bonds", ids.bytes());
     return true;
 }
 

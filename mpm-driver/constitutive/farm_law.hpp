@@ -1,6 +1,7 @@
 #pragma once
 // The law whose stresses come from a farm of RVEs behind the exchange: one RVE for each of its points.
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,11 +16,14 @@ public:
     // setup.packing_of_rve is filled at begin(): packings are dealt out to the points in an order drawn from `seed`.
     FarmLaw(exchange::Channel& channel, exchange::Hello hello, FarmSetup setup, std::uint64_t seed);
 
+    // Where the packings are snapshots of K0 paths: the vertical stress of the ground above a place, Pa, compression positive.
+    void start_at_depth(std::function<double(const Vector&)> vertical_stress) { vertical_stress_ = std::move(vertical_stress); }
+
     std::string name() const override { return "rve"; }
     void begin(std::span<const std::uint32_t> ids, const Points& points, LawAnswer initial) override;
     void submit(const LawRequest& request, LawAnswer answer) override;
     void collect() override;
-    bool activate(const std::string& effect) override;
+    bool activate(const std::string& effect, std::span<const std::uint32_t> points) override;
     void checkpoint(const std::string& folder) override;
     void restore(const std::string& folder) override;
     std::vector<StateColumn> columns() override;
@@ -47,6 +51,7 @@ private:
     FarmSetup setup_;
     std::uint64_t seed_;
     std::string farm_program_;
+    std::function<double(const Vector&)> vertical_stress_;
     exchange::ColumnTable answer_columns_;
     Components at_{};
 
@@ -65,8 +70,5 @@ private:
     std::vector<std::vector<double>> reported_;
     std::int64_t evaluations_ = 0;
 };
-
-// Which of `packings` each of `count` RVEs starts from: as evenly as it goes, in an order drawn from the seed.
-std::vector<int> deal_packings(int count, int packings, std::uint64_t seed);
 
 } // namespace talik::driver

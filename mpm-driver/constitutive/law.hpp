@@ -39,8 +39,9 @@ public:
     virtual void submit(const LawRequest& request, LawAnswer answer) = 0;
     virtual void collect() = 0;
 
-    // A named effect of the scene's stages, such as "bonds". False where the law has none of that name.
-    virtual bool activate(const std::string& /*effect*/) { return false; }
+    // A named effect of the scene's stages, such as "bonds", in those of `points` that are the law's own. False where the
+    // law has no effect of that name.
+    virtual bool activate(const std::string& /*effect*/, std::span<const std::uint32_t> /*points*/) { return false; }
 
     // State that the law keeps itself, in a folder of its own (a farm writes its files there).
     virtual void checkpoint(const std::string& /*folder*/) {}

@@ -91,10 +91,19 @@ void Simulation::enter_stage() {
                 "stage '" + stage.name + "' moves the wall '" + name + "', which the scene does not have", "name one of its walls");
     for (const std::string& effect : stage.activates) {
         bool known = false;
-        for (auto& [name, law] : laws_) known = law->activate(effect) || known;
+        for (auto& [name, law] : laws_) known = law->activate(effect, points_of(stage.activates_in)) || known;
         require(known, "stage '" + stage.name + "' activates '" + effect + "', which none of the scene's laws has",
                 "take it out, or add the effect to the law");
     }
+}
+
+// Of the bodies named; of all where none is.
+std::vector<std::uint32_t> Simulation::points_of(const std::vector<std::string>& bodies) const {
+    std::vector<std::uint32_t> ids;
+    for (std::size_t p = 0; p < points_.count(); ++p)
+        if (bodies.empty() || std::find(bodies.begin(), bodies.end(), scene_.bodies[static_cast<std::size_t>(points_.body[p])].name) != bodies.end())
+            ids.push_back(static_cast<std::uint32_t>(p));
+    return ids;
 }
 
 void Simulation::leave_stage_when_done() {

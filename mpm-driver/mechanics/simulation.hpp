@@ -75,6 +75,7 @@ private:
     LawAnswer answer_columns();
     void enter_stage();
     void leave_stage_when_done();
+    std::vector<std::uint32_t> points_of(const std::vector<std::string>& bodies) const;
     const StageSpec& present_stage() const;
 
     void constrain_grid();

@@ -40,6 +40,11 @@ void check_output(const std::string& file) {
     if (::access(folder.c_str(), W_OK | X_OK) != 0 || (fs::exists(file) && ::access(file.c_str(), W_OK) != 0)) refuse(std::string("cannot be written: ") + std::strerror(errno));
 }
 
+std::string stress_text(const Packing& p) {
+    if (p.vertical_stress <= 0.0) return fmt::format("{:.1f} kPa", 1e-3 * p.pressure);
+    return fmt::format("vertical {:.3g} kPa, lateral {:.3g} kPa (K0 = {:.3f})", 1e-3 * p.vertical_stress, 1e-3 * p.lateral_stress, p.lateral_stress / p.vertical_stress);
+}
+
 void pack(const PackOptions& options) {
     if (options.keys) {
         std::fputs(pack_help().c_str(), stdout);
@@ -58,7 +63,7 @@ void pack(const PackOptions& options) {
     }
     write_packings(options.output, "rve-farm", packings, dump);
     if (!options.quiet)
-        for (const Packing& p : packings) log::info("seed {}: {} discs, void ratio {:.4f}, {:.1f} kPa", p.seed, p.disc_count(), p.void_ratio(), 1e-3 * p.pressure);
+        for (const Packing& p : packings) log::info("seed {}: {} discs, void ratio {:.4f}, {}", p.seed, p.disc_count(), p.void_ratio(), stress_text(p));
 }
 
 } // namespace

@@ -22,6 +22,7 @@ Table<PackSpec> pack_table() {
     table.table<RveSpec>("rve", &PackSpec::rve, rve_table()).check([](const PackSpec& spec, const Place& at) {
         check_rve_is_given(at);
         if (!spec.rve.packing.file.empty()) at.fault("rve.packing.file", "is given to a preparation", "give void_ratio, or particles in CSV");
+        if (spec.rve.packing.k0 && !spec.rve.packing.k0->stress_min) at.fault("rve.packing.k0.stress_min", "is missing", "give stress_min and stress_max: a packing on its own knows no depth");
     });
     return table;
 }

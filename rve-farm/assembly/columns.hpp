@@ -28,6 +28,7 @@ struct AssemblyNumbers {
     double last_sub_step = 0;    // s; 0 before the first
     double friction_dissipation = 0, bond_dissipation = 0, work = 0; // J, of slots that a rebuild has cleared
     std::int64_t activated_bonds = 0, split_steps = 0, rebuilds = 0; // since the RVE was made
+    std::int64_t thawed = 0;     // 1: its ice has fallen below the threshold at which bonds form anew, and not come back
 };
 
 struct AssemblyView {

@@ -84,6 +84,7 @@ void Farm::advance(std::span<const std::uint32_t> ids, std::span<const double> i
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
             for (int k = 0; k < count; ++k) {
                 const auto row = static_cast<std::size_t>(k);
+                if (!ice_saturation.empty()) rebond(static_cast<int>(ids[row]), ice_saturation[row]);
                 const double* g = increments.data() + 4 * row;
                 const MacroStep step{g[0], g[1], g[2], g[3], time_increment, asked,
                                      bond_strength(physics.bond, ice_saturation, row)};
@@ -136,6 +137,17 @@ void Farm::activate_bonds(int id) {
         if (!touching || s.bonded[c] != 0) continue;
         s.bonded[c] = 1;
         ++s.numbers->activated_bonds;
+    }
+}
+
+void Farm::rebond(int id, double ice_saturation) {
+    if (!parameters_.bond || !parameters_.bond->rebond_on_freezing) return;
+    std::int64_t& thawed = assembly(id).view().numbers->thawed;
+    if (ice_saturation < parameters_.bond->rebond_ice_saturation) {
+        thawed = 1;
+    } else if (thawed != 0) {
+        activate_bonds(id);
+        thawed = 0;
     }
 }
 

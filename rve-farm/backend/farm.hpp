@@ -67,6 +67,10 @@ public:
     std::uint64_t rves_done() const { return rves_done_->load(std::memory_order_relaxed); }
 
 private:
+    // Where the scene lets bonds form anew: an RVE whose ice fell below the threshold bonds at the contacts present once
+    // its ice is back there. The memory of the thaw is part of the RVE's state.
+    void rebond(int id, double ice_saturation);
+
     RveParameters parameters_;
     FarmOptions options_;
     AnyPhysics physics_;

@@ -106,10 +106,20 @@ void Service::answer(const exchange::Batch& request, exchange::Batch& answer, ex
     memory_.remember(request, answer, rows_);
 }
 
-std::vector<std::byte> Service::command(const std::string& name, std::span<const std::byte> /*payload*/) {
+std::vector<std::byte> Service::command(const std::string& name, std::span<const std::byte> payload) {
     if (name == "activate bonds") {
         require(farm().parameters().bond.has_value(), "bonds cannot be activated: the RVEs have no bond law", "add [rve.bond] to the scene");
-        farm().activate_bonds();
+        if (payload.empty()) {
+            farm().activate_bonds();
+            return {};
+        }
+        ByteReader in(payload, "activate bonds");
+        const auto ids = in.array<std::uint32_t>();
+        in.finish();
+        for (const std::uint32_t id : ids) {
+            require(id < static_cast<std::uint32_t>(farm().size()), "bonds are to be activated in an RVE that the farm does not have", "use mpm-driver and rve-farm of one version");
+            farm().activate_bonds(static_cast<int>(id));
+        }
         return {};
     }
     require(name == "waiting seconds", "the farm knows no command \"" + name + "\"", "it knows: activate bonds, waiting seconds");

@@ -11,6 +11,7 @@
 
 #include "common/base/error.hpp"
 #include "common/packing/packing_csv.hpp"
+#include "rve-farm/packing/k0_path.hpp"
 #include "rve-farm/packing/press.hpp"
 #include "rve-farm/packing/random_discs.hpp"
 
@@ -173,7 +174,7 @@ Packing prepare_packing(const RveSpec& spec, std::uint64_t seed, const std::func
 std::vector<Packing> prepare_packings(const RveSpec& spec, int threads, const std::function<void(int, const std::string&)>& progress) {
     if (!spec.packing.by_specification()) return {from_csv(spec)};
     const int count = spec.packing.count;
-    std::vector<Packing> packings(static_cast<std::size_t>(count));
+    std::vector<std::vector<Packing>> packings(static_cast<std::size_t>(count)); // of each seed: itself, or its K0 snapshots
     std::vector<std::exception_ptr> faults(packings.size());
     int done = 0;
     const auto note = [&](const std::string& text) {
@@ -184,7 +185,8 @@ std::vector<Packing> prepare_packings(const RveSpec& spec, int threads, const st
     for (int i = 0; i < count; ++i) {
         const auto slot = static_cast<std::size_t>(i);
         try {
-            packings[slot] = prepare_packing(spec, spec.packing.seed + slot, note);
+            const Packing prepared = prepare_packing(spec, spec.packing.seed + slot, note);
+            packings[slot] = spec.packing.k0 ? k0_snapshots(spec, prepared) : std::vector<Packing>{prepared};
         } catch (...) {
             faults[slot] = std::current_exception();
         }
@@ -193,7 +195,9 @@ std::vector<Packing> prepare_packings(const RveSpec& spec, int threads, const st
     }
     for (const auto& fault : faults)
         if (fault) std::rethrow_exception(fault);
-    return packings;
+    std::vector<Packing> all;
+    for (const auto& of_seed : packings) all.insert(all.end(), of_seed.begin(), of_seed.end());
+    return all;
 }
 
 } // namespace talik::farm

@@ -15,7 +15,7 @@ namespace talik::farm {
 // far it came. `note`: how the search stands, now and then.
 Packing prepare_packing(const RveSpec& spec, std::uint64_t seed, const std::function<void(const std::string&)>& note = {});
 
-// Packings of seeds seed, seed + 1, ..., spread over threads (0 = all). Where the specification names CSV files: discs with
+// Packings of seeds seed, seed + 1, ..., spread over threads (0 = all); with [k0], of each seed its snapshots. Where the specification names CSV files: discs with
 // contacts are taken as they are, discs alone are brought to the pressure under the final friction.
 std::vector<Packing> prepare_packings(const RveSpec& spec, int threads, const std::function<void(int done, const std::string& note)>& progress = {});
 

@@ -62,6 +62,11 @@ Press::Press(const RveSpec& spec, const Packing& start, double friction, long* s
       farm_(of_preparation(spec, friction, sub_step_), {start}, {0}, one_thread()),
       servo_(isotropic(pressure_), compaction_rate(spec)), state_(farm_.measure(0)) {}
 
+void Press::compress_laterally_held(double vertical_stress) {
+    pressure_ = vertical_stress;
+    servo_.set_targets({ComponentTarget::rate(0.0), ComponentTarget::stress(-vertical_stress), ComponentTarget::stress(0.0)});
+}
+
 void Press::step() {
     if (steps_left_ && --*steps_left_ < 0) throw StepsSpent{state_.void_ratio, servo_.error(state_) / pressure_, state_.unbalanced_force};
     const std::uint32_t id = 0;

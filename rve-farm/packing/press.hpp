@@ -1,5 +1,6 @@
 #pragma once
-// One RVE under an isotropic pressure: all three stress components are held, whatever the discs do. Used to prepare packings.
+// One RVE under a press: all three stress components are held at an isotropic pressure, or the vertical one without
+// lateral strain, whatever the discs do. Used to prepare packings.
 #include "common/packing/packing_spec.hpp"
 #include "rve-farm/backend/farm.hpp"
 #include "rve-farm/element/servo.hpp"
@@ -26,13 +27,16 @@ public:
 
     void step();                              // one macro step
     bool settle(const Equilibrium& wanted);   // false: not within a strain of some hundred per cent
+    // From now on: vertical stress held, lateral strain 0. The shear stress is held at 0, which by symmetry it is in level
+    // ground; a small packing would else show that of its own few contacts. vertical_stress: Pa, compression positive.
+    void compress_laterally_held(double vertical_stress);
     void set_friction(double friction) { farm_.set_friction(friction); }
 
     const Answer& state() const { return state_; }
-    Packing at_rest(double pressure, std::uint64_t seed); // the packing as it stands, discs at rest
+    Packing at_rest(double pressure, std::uint64_t seed); // stops the discs; the packing as it stands
 
 private:
-    double pressure_;  // Pa
+    double pressure_;  // Pa: that of the held stresses, which errors are measured by
     double sub_step_;  // s
     long* steps_left_;
     Farm farm_;

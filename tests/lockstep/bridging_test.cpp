@@ -2,6 +2,7 @@
 #include "tests/lockstep/in_process.hpp"
 
 #include "common/physics/rve_columns.hpp"
+#include "mpm-driver/constitutive/packing_choice.hpp"
 #include "mpm-driver/output/history.hpp"
 #include "mpm-driver/output/quantities.hpp"
 #include "rve-farm/backend/farm.hpp"
