@@ -9,7 +9,9 @@
 #if defined(__CUDACC__)
 #define TALIK_HOST_DEVICE __host__ __device__
 #else
-#define TALIK_HOST_DEVICE
+// Always inlined: kernel files are compiled for several instruction levels, and an out-of-line copy made for a newer machine
+// could be the one the linker keeps for all.
+#define TALIK_HOST_DEVICE __attribute__((always_inline)) inline
 #endif
 
 namespace talik {

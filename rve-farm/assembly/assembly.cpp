@@ -11,15 +11,13 @@
 
 #include "common/base/error.hpp"
 #include "rve-farm/assembly/neighbours.hpp"
-#include "rve-farm/assembly/phases.hpp"
-#include "rve-farm/physics/physics.hpp"
+#include "rve-farm/kernel/physics_choice.hpp"
 
 namespace talik::farm {
 namespace {
 
-// Of the mean radius. Wide enough that quasi-static flow rebuilds every few thousand sub-steps, narrow enough that a
-// third of the candidates at most are open.
-constexpr double default_skin = 0.15;
+// Of the mean radius: the first list's, and the range in which it is chosen afterwards (choose_skin).
+constexpr double first_skin = 0.03, narrowest_skin = 0.005, widest_skin = 0.3;
 
 // Room for the candidates: discs within reach of one another at random would be (2 + skin/r)^2 / 2 per disc at most
 // (half of the area of the neighbourhood over the area of a disc); two more for overlaps and mixtures of sizes.
@@ -79,25 +77,18 @@ Assembly::Assembly(const RveParameters& parameters, const Packing& packing) : nu
     double mean_radius = 0;
     for (double radius : packing.radius) mean_radius += radius / static_cast<double>(packing.disc_count());
     numbers_->mean_radius = mean_radius;
-    numbers_->skin = parameters.skin > 0 ? parameters.skin : default_skin * mean_radius;
+    const bool fixed = parameters.skin > 0;
+    numbers_->skin = fixed ? parameters.skin : first_skin * mean_radius;
+    numbers_->narrowest_skin = fixed ? parameters.skin : narrowest_skin * mean_radius;
+    numbers_->widest_skin = fixed ? parameters.skin : widest_skin * mean_radius;
     numbers_->thickness = parameters.thickness;
-    allocate(packing.disc_count(), capacity_for(packing.disc_count(), numbers_->skin / mean_radius, packing.contacts.size()));
+    allocate(packing.disc_count(), capacity_for(packing.disc_count(), numbers_->widest_skin / mean_radius, packing.contacts.size()));
     import_discs(parameters, packing);
     import_contacts(packing);
     const Status built = rebuild_neighbours(view_, columns_);
     require(built != Status::contact_list_full, "the packing's discs overlap too much for a contact list", "start from a looser packing");
     require(built == Status::ok, "a disc of the packing lies millions of cells away", "give positions in or near the cell");
-
-    // The forces of the positions: a sub-step of no length, in which nothing moves and no bond breaks.
-    view_.sub_step = 0;
-    view_.beta = std::numeric_limits<double>::infinity();
-    std::visit(
-        [&](const auto& physics) {
-            for (int c = 0; c < view_.contact_count(); ++c) contact_force(view_, physics, Symmetric{}, c);
-        },
-        choose_physics(parameters));
-    std::fill_n(view_.friction_dissipation, view_.contact_count(), 0.0);
-    std::fill_n(view_.work, view_.contact_count(), 0.0);
+    limit_tangential_forces(contact_law_of(parameters));
 }
 
 Assembly::Assembly(const Assembly& other) : columns_(other.columns_), numbers_(std::make_unique<AssemblyNumbers>(*other.numbers_)) {
@@ -163,14 +154,18 @@ void Assembly::import_contacts(const Packing& packing) {
         view_.image_x[c] = contacts[c].image[0];
         view_.image_y[c] = contacts[c].image[1];
         view_.tangential_force[c] = contacts[c].tangential_force;
-        view_.force_x[c] = view_.force_y[c] = view_.half_overlap[c] = 0;
-        view_.friction_dissipation[c] = view_.work[c] = 0;
         if (!columns_.bond) continue;
         view_.bonded[c] = contacts[c].bonded;
-        view_.bond_dissipation[c] = 0;
         numbers_->activated_bonds += contacts[c].bonded;
     }
     index_owned(view_);
+}
+
+// A packing may remember more than its positions can bear: f_t is within the Coulomb limit, and zero where nothing touches.
+void Assembly::limit_tangential_forces(const ContactLaw<double>& law) {
+    for (int c = 0; c < view_.contact_count(); ++c)
+        if (!is_bonded(view_, c))
+            view_.tangential_force[c] = law.limited({law.normal_stiffness * geometry_of(view_, c).overlap, view_.tangential_force[c]}).tangential;
 }
 
 Packing Assembly::packing(double grain_density) const {
@@ -192,7 +187,7 @@ Packing Assembly::packing(double grain_density) const {
     }
     for (int k = 0; k < view_.contact_count(); ++k) {
         const bool bonded = columns_.bond && view_.bonded[k] != 0;
-        if (view_.force_x[k] == 0 && view_.force_y[k] == 0 && !bonded) continue;
+        if (!carries_force(view_, k)) continue;
         packing.contacts.push_back(
             {view_.first[k], view_.second[k], {view_.image_x[k], view_.image_y[k]}, view_.tangential_force[k], bonded});
     }
@@ -226,6 +221,7 @@ std::size_t Assembly::load(std::span<const std::byte> bytes) {
                       saved.contact_count >= 0 && saved.contact_count <= saved.contact_capacity;
     require(fits, "the saved state is that of an RVE of another size", remedy);
     *numbers_ = saved;
+    layout_.forget();
     for_each_column(view_, columns_, [&](const char*, const char*, Extent extent, auto*& column, bool present) {
         if (present) take(column, static_cast<std::size_t>(entries(saved, extent)) * sizeof(*column));
     });

@@ -8,6 +8,8 @@
 #include "common/packing/packing.hpp"
 #include "common/physics/rve_parameters.hpp"
 #include "rve-farm/assembly/columns.hpp"
+#include "rve-farm/kernel/slot_layout.hpp"
+#include "rve-farm/physics/contact.hpp"
 
 namespace talik::farm {
 
@@ -26,6 +28,7 @@ public:
     const AssemblyView& view() const { return view_; }
     const AssemblyNumbers& numbers() const { return *numbers_; }
     const ColumnChoice& columns() const { return columns_; }
+    SlotLayout& layout() { return layout_; } // of the kernel that last took it
 
     Packing packing(double grain_density) const;
 
@@ -36,11 +39,13 @@ private:
     void allocate(std::int64_t discs, std::int64_t contact_capacity);
     void import_discs(const RveParameters& parameters, const Packing& packing);
     void import_contacts(const Packing& packing);
+    void limit_tangential_forces(const ContactLaw<double>& law);
 
     ColumnChoice columns_;
     std::unique_ptr<std::byte[]> arena_; // sized once; pages beyond the contacts in use are never touched
     std::unique_ptr<AssemblyNumbers> numbers_;
     AssemblyView view_{};
+    SlotLayout layout_;
 };
 
 // Entries of a column in use.

@@ -85,15 +85,13 @@ bool wrap_into_the_cell(AssemblyView& s, Scratch& scratch) {
     return true;
 }
 
-// A reduction may turn the image of a self-contact to the other side: then its two ends swap, and with them the sign of
-// the force. f_t stays, since t turns as well.
+// A reduction may turn the image of a self-contact to the other side: then its two ends swap. f_t stays, since force and t
+// both turn.
 void keep_own_images_canonical(AssemblyView& s) {
     for (int c = 0; c < s.contact_count(); ++c) {
         if (s.first[c] != s.second[c] || is_canonical_own_image(s.image_x[c], s.image_y[c])) continue;
         s.image_x[c] = -s.image_x[c];
         s.image_y[c] = -s.image_y[c];
-        s.force_x[c] = -s.force_x[c];
-        s.force_y[c] = -s.force_y[c];
     }
 }
 
@@ -168,7 +166,7 @@ void find_by_bins(const AssemblyView& s, const Cell& cell, const Bins& bins, con
 }
 
 bool remembers(const AssemblyView& s, const ColumnChoice& columns, int c) {
-    return s.force_x[c] != 0 || s.force_y[c] != 0 || s.tangential_force[c] != 0 || (columns.bond && s.bonded[c] != 0);
+    return s.tangential_force[c] != 0 || (columns.bond && s.bonded[c] != 0);
 }
 
 // Ties the new candidates of disc i to their old slots; a bonded pair that has left the skin is added again.
@@ -184,18 +182,6 @@ void find_old_slots(const AssemblyView& s, const ColumnChoice& columns, int i, s
             listed = true;
         }
         if (!listed && columns.bond && s.bonded[c] != 0) found.push_back(old);
-    }
-}
-
-// What the slots have booked goes into the totals, in list order, before the slots are given to other contacts.
-void flush_energies(AssemblyView& s, const ColumnChoice& columns) {
-    AssemblyNumbers& n = *s.numbers;
-    for (int c = 0; c < s.contact_count(); ++c) {
-        n.friction_dissipation += s.friction_dissipation[c];
-        n.work += s.work[c];
-        if (columns.bond) n.bond_dissipation += s.bond_dissipation[c];
-        s.friction_dissipation[c] = s.work[c] = 0;
-        if (columns.bond) s.bond_dissipation[c] = 0;
     }
 }
 
@@ -230,25 +216,26 @@ void index_owned(AssemblyView& s) {
     }
 }
 
-void index_incoming(AssemblyView& s) {
-    const int discs = s.disc_count();
-    std::fill_n(s.incoming_begin, discs + 1, 0);
-    for (int c = 0; c < s.contact_count(); ++c) ++s.incoming_begin[s.second[c]];
-    int sum = 0;
-    for (int i = 0; i <= discs; ++i) { // counts to ends
-        if (i < discs) sum += s.incoming_begin[i];
-        s.incoming_begin[i] = sum;
-    }
-    for (int c = s.contact_count() - 1; c >= 0; --c) s.incoming[--s.incoming_begin[s.second[c]]] = c; // ends to begins
+double displacement_left(const AssemblyNumbers& n, double strain) {
+    const double reach = 2 * n.largest_radius;
+    const double gap = std::exp(-(n.strain_bound + strain)) * (reach + n.skin) - reach; // m
+    return gap / 2 - n.displacement_bound * (1 + 1.001 * strain);
 }
 
-bool list_is_spent(const AssemblyNumbers& n) {
-    const double reach = 2 * n.largest_radius;
-    return !(std::exp(-n.strain_bound) * (reach + n.skin) - 2 * n.displacement_bound > reach);
+// A wide skin is walked in every sub-step, a narrow one is soon spent. With c the part of the skin that a sub-step spends
+// and r the mean radius, a sub-step costs 1 + a skin/r + R c/skin of one without skin, R the cost of a rebuild in sub-steps:
+// least at skin = sqrt(R/a c r). R/a was measured, docs/performance.md; the optimum is flat, a factor of two costs little.
+void choose_skin(AssemblyNumbers& n) {
+    constexpr double rebuild_over_width = 40;
+    if (!(n.narrowest_skin < n.widest_skin) || !(n.list_substeps > 0)) return;
+    const double spent = 2 * n.displacement_bound - std::expm1(-n.strain_bound) * (2 * n.largest_radius + n.skin); // m
+    const double best = std::sqrt(rebuild_over_width * n.mean_radius * spent / n.list_substeps);
+    n.skin = std::clamp(best, n.narrowest_skin, n.widest_skin);
 }
 
 Status rebuild_neighbours(AssemblyView& s, const ColumnChoice& columns, Search search) {
     thread_local Scratch scratch;
+    choose_skin(*s.numbers);
     reduce_and_remap(s);
     if (!wrap_into_the_cell(s, scratch)) return Status::not_finite;
     keep_own_images_canonical(s);
@@ -268,11 +255,11 @@ Status rebuild_neighbours(AssemblyView& s, const ColumnChoice& columns, Search s
         std::sort(scratch.candidates.begin() + static_cast<std::ptrdiff_t>(begin), scratch.candidates.end(), before);
         if (scratch.candidates.size() > static_cast<std::size_t>(n.contact_capacity)) return Status::contact_list_full;
     }
-    flush_energies(s, columns);
     reorder_contacts(s, columns, scratch);
     index_owned(s);
-    index_incoming(s);
-    n.displacement_bound = n.strain_bound = 0;
+    std::fill_n(s.drift_x, s.disc_count(), 0.0);
+    std::fill_n(s.drift_y, s.disc_count(), 0.0);
+    n.displacement_bound = n.strain_bound = n.list_substeps = 0;
     n.omega_squared_bound = -1; // of another list: to be found again when it is asked for
     ++n.rebuilds;
     return Status::ok;

@@ -8,20 +8,18 @@ namespace talik::farm {
 
 enum class Search { automatic, linked_cells, brute_force };
 
-// Has a pair outside the list possibly come into touch? With strains bounded by e since the list was built and each disc
-// displaced by at most u, a pair that was r_i + r_j + skin apart is still exp(-e) (r_i + r_j + skin) - 2 u apart.
-bool list_is_spent(const AssemblyNumbers& numbers);
+// How far any disc may still move, non-affinely, before a pair outside the list could touch, m; negative: not at all. With
+// strains bounded by e since the list was built and each disc displaced by at most u, a pair that was r_i + r_j + skin apart
+// is still exp(-e) (r_i + r_j + skin) - 2 u apart. `strain`: bound of what is to come besides.
+double displacement_left(const AssemblyNumbers& numbers, double strain);
 
-// Reduces the basis, wraps the discs into the cell, finds the candidates and carries over what the contacts remember:
-// forces, tangential forces, bonds. Bonded pairs are kept however far apart. Answers contact_list_full, or not_finite where
+// Chooses the skin where it may, reduces the basis, wraps the discs into the cell, finds the candidates and carries over what the contacts remember:
+// tangential forces, bonds. Bonded pairs are kept however far apart. Answers contact_list_full, or not_finite where
 // a disc is nowhere near the cell: the RVE is then to be restored from a saved state.
 // Scratch memory belongs to the thread, and grows to the largest assembly it has seen.
 Status rebuild_neighbours(AssemblyView& s, const ColumnChoice& columns, Search search = Search::automatic);
 
 // owned_begin: the contacts whose `first` is a disc, which are contiguous.
 void index_owned(AssemblyView& s);
-
-// incoming_begin, incoming: the contacts whose `second` is a disc, in list order.
-void index_incoming(AssemblyView& s);
 
 } // namespace talik::farm

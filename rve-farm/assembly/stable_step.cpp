@@ -16,16 +16,7 @@ struct Normal {
     double x, y;
 };
 
-Normal normal_of(const AssemblyView& s, int c) {
-    const AssemblyNumbers& n = *s.numbers;
-    const double ix = s.image_x[c], iy = s.image_y[c];
-    const double bx = s.x[s.second[c]] - s.x[s.first[c]] + n.cell_xx * ix + n.cell_xy * iy;
-    const double by = s.y[s.second[c]] - s.y[s.first[c]] + n.cell_yx * ix + n.cell_yy * iy;
-    const double length = std::hypot(bx, by);
-    return {bx / length, by / length};
-}
-
-bool carries_force(const AssemblyView& s, int c) { return s.force_x[c] != 0 || s.force_y[c] != 0; }
+Normal normal_of(const ContactGeometry& g) { return {g.x / g.length, g.y / g.length}; }
 
 // Rows and columns may be scaled against one another without moving an eigenvalue: the rotations, whose row sums are the
 // largest (their mass is half), are scaled so that both kinds of rows come to about the same sum. That is less where the
@@ -77,7 +68,7 @@ void apply(const AssemblyView& s, const ContactLaw<double>& law, const Column& s
     for (int c = 0; c < s.contact_count(); ++c) {
         if (!carries_force(s, c)) continue;
         const auto i = static_cast<std::size_t>(3 * s.first[c]), j = static_cast<std::size_t>(3 * s.second[c]);
-        const Normal n = normal_of(s, c);
+        const Normal n = normal_of(geometry_of(s, c));
         const double ux = scale[j] * v[j] - scale[i] * v[i], uy = scale[j] * v[j + 1] - scale[i] * v[i + 1];
         const double rolled = scale[j + 2] * v[j + 2] + scale[i + 2] * v[i + 2];
         const double fn = law.normal_stiffness * (n.x * ux + n.y * uy);               // N
@@ -109,7 +100,7 @@ double omega_squared_bound_of_contacts(const AssemblyView& s, const ContactLaw<d
     const double rotation_scale = rotation_scale_of_contacts;
     return gershgorin(s, rotation_scale, [&](int c) {
         if (!carries_force(s, c)) return GershgorinRow{};
-        const Normal n = normal_of(s, c);
+        const Normal n = normal_of(geometry_of(s, c));
         const double x = std::abs(n.x), y = std::abs(n.y), coupling = std::abs(kn - kt) * x * y;
         return GershgorinRow{2 * (kn * x * x + kt * y * y + coupling) + kt * y * rotation_scale, // t = (-n_y, n_x)
                              2 * (kn * y * y + kt * x * x + coupling) + kt * x * rotation_scale,

@@ -4,23 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 
 #include <fmt/format.h>
 
 #include "common/base/error.hpp"
 #include "common/physics/clock.hpp"
-#include "common/team/cpu_team.hpp"
-#include "rve-farm/assembly/advance.hpp"
-#include "rve-farm/assembly/measure.hpp"
 #include "rve-farm/assembly/stable_step.hpp"
+#include "rve-farm/kernel/physics_choice.hpp"
 
 namespace talik::farm {
 namespace {
-
-const ContactLaw<double>& contact_law(const AnyPhysics& physics) {
-    return std::visit([](const auto& chosen) -> const ContactLaw<double>& { return chosen.contact; }, physics);
-}
 
 void check_step(const Assembly& assembly, const ContactLaw<double>& contact, double time_step, std::size_t packing) {
     if (time_step <= stable_step(omega_squared_bound_of_contacts(assembly.view(), contact))) return;
@@ -30,37 +23,21 @@ void check_step(const Assembly& assembly, const ContactLaw<double>& contact, dou
             fmt::format("the largest stable step of its contact network is {:.3g} s; take a fraction of it", stable));
 }
 
-double bond_strength(const NoBond&, std::span<const double>, std::size_t) { return 0; }
-double bond_strength(const BrittleBond<double>& bond, std::span<const double> ice_saturation, std::size_t row) {
-    return bond.reduced_strength(ice_saturation.empty() ? 1.0 : ice_saturation[row]); // Eq. (8)
-}
-
-template <class Physics>
-Answer step_one(Assembly& assembly, const Physics& physics, const MacroStep& step, const FarmOptions& options) {
-    AssemblyView& s = assembly.view();
-    const ColumnChoice& columns = assembly.columns();
-    const Status status = options.shuffle_seed
-                              ? advance(ShuffledTeam(*options.shuffle_seed), s, columns, physics, step)
-                              : advance(SerialTeam{}, s, columns, physics, step);
-    if (status == Status::ok) return measure(s, columns, physics.contact);
-    Answer fault;
-    fault.status = status;
-    if (status == Status::unstable_step)
-        fault.largest_stable_step = stable_step(omega_squared_of_contacts(s, physics.contact));
-    return fault;
+const Kernel& kernel_of(const FarmOptions& options) {
+    return kernel(options.level ? *options.level : best_level(), options.precision);
 }
 
 } // namespace
 
 Farm::Farm(const RveParameters& parameters, const std::vector<Packing>& packings, const std::vector<int>& packing_of_rve,
            FarmOptions options)
-    : parameters_(parameters), options_(std::move(options)), physics_(choose_physics(parameters)) {
+    : options_(std::move(options)), stepper_{parameters, &kernel_of(options_), options_.ledger, options_.shuffle_seed} {
     check(parameters);
     if (options_.threads <= 0) options_.threads = omp_get_max_threads();
     std::vector<Assembly> prototypes;
     for (const Packing& packing : packings) {
         prototypes.emplace_back(parameters, packing);
-        check_step(prototypes.back(), contact_law(physics_), parameters.time_step, prototypes.size() - 1);
+        check_step(prototypes.back(), contact_law_of(parameters), parameters.time_step, prototypes.size() - 1);
     }
     assemblies_.reserve(packing_of_rve.size());
     for (int packing : packing_of_rve) {
@@ -76,24 +53,20 @@ void Farm::advance(std::span<const std::uint32_t> ids, std::span<const double> i
     ensure(ice_saturation.empty() || ice_saturation.size() == ids.size());
     require(time_increment > 0, "the time increment of a macro step is not positive", "give it in s");
     for (std::uint32_t id : ids) require(id < assemblies_.size(), "a step asks for an RVE that the farm does not have", "check the ids");
-    const int asked = substeps > 0 ? substeps : substeps_of(parameters_, time_increment);
+    const int asked = substeps > 0 ? substeps : substeps_of(parameters(), time_increment);
     const int count = static_cast<int>(ids.size());
     const int threads = std::max(1, std::min(options_.threads, count)); // a thread without an RVE would only be waited for
-    std::visit(
-        [&](const auto& physics) {
+    const double full_strength = parameters().bond ? parameters().bond->strength_factor : 0; // beta_a, -
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
-            for (int k = 0; k < count; ++k) {
-                const auto row = static_cast<std::size_t>(k);
-                if (!ice_saturation.empty()) rebond(static_cast<int>(ids[row]), ice_saturation[row]);
-                const double* g = increments.data() + 4 * row;
-                const MacroStep step{g[0], g[1], g[2], g[3], time_increment, asked,
-                                     bond_strength(physics.bond, ice_saturation, row)};
-                answers[row] = step_one(assemblies_[ids[row]], physics, step, options_);
-                rves_done_->fetch_add(1, std::memory_order_relaxed);
-                if (options_.on_rve_done) options_.on_rve_done();
-            }
-        },
-        physics_);
+    for (int k = 0; k < count; ++k) {
+        const auto row = static_cast<std::size_t>(k);
+        if (!ice_saturation.empty()) rebond(static_cast<int>(ids[row]), ice_saturation[row]);
+        const double* g = increments.data() + 4 * row;
+        const double beta = full_strength * (ice_saturation.empty() ? 1.0 : ice_saturation[row]); // Eq. (8)
+        answers[row] = farm::advance(stepper_, assemblies_[ids[row]], {g[0], g[1], g[2], g[3], time_increment, asked, beta});
+        rves_done_->fetch_add(1, std::memory_order_relaxed);
+        if (options_.on_rve_done) options_.on_rve_done();
+    }
 }
 
 Assembly& Farm::assembly(int id) {
@@ -105,9 +78,7 @@ const Assembly& Farm::assembly(int id) const {
     return assemblies_[static_cast<std::size_t>(id)];
 }
 
-Answer Farm::measure(int id) const {
-    return farm::measure(assembly(id).view(), assembly(id).columns(), contact_law(physics_));
-}
+Answer Farm::measure(int id) const { return farm::measure(stepper_, assembly(id)); }
 
 Matrix Farm::cell(int id) const {
     const AssemblyNumbers& n = assembly(id).numbers();
@@ -118,10 +89,10 @@ Matrix Farm::cell(int id) const {
     return rotation * cell;
 }
 
-Packing Farm::packing(int id) const { return assembly(id).packing(parameters_.grain_density); }
+Packing Farm::packing(int id) const { return assembly(id).packing(parameters().grain_density); }
 
 double Farm::largest_stable_step(int id) const {
-    return stable_step(omega_squared_of_contacts(assembly(id).view(), contact_law(physics_)));
+    return stable_step(omega_squared_of_contacts(assembly(id).view(), contact_law_of(parameters())));
 }
 
 void Farm::activate_bonds() {
@@ -129,21 +100,20 @@ void Farm::activate_bonds() {
 }
 
 void Farm::activate_bonds(int id) {
-    require(parameters_.bond.has_value(), "bonds are to be activated, but the RVE has none", "give it a [bond] table");
+    require(parameters().bond.has_value(), "bonds are to be activated, but the RVE has none", "give it a [bond] table");
     Assembly& rve = assembly(id);
     AssemblyView& s = rve.view();
     for (int c = 0; c < s.contact_count(); ++c) {
-        const bool touching = s.force_x[c] != 0 || s.force_y[c] != 0;
-        if (!touching || s.bonded[c] != 0) continue;
+        if (!carries_force(s, c) || s.bonded[c] != 0) continue;
         s.bonded[c] = 1;
         ++s.numbers->activated_bonds;
     }
 }
 
 void Farm::rebond(int id, double ice_saturation) {
-    if (!parameters_.bond || !parameters_.bond->rebond_on_freezing) return;
+    if (!parameters().bond || !parameters().bond->rebond_on_freezing) return;
     std::int64_t& thawed = assembly(id).view().numbers->thawed;
-    if (ice_saturation < parameters_.bond->rebond_ice_saturation) {
+    if (ice_saturation < parameters().bond->rebond_ice_saturation) {
         thawed = 1;
     } else if (thawed != 0) {
         activate_bonds(id);
@@ -153,8 +123,7 @@ void Farm::rebond(int id, double ice_saturation) {
 
 void Farm::set_friction(double friction) {
     require(friction >= 0, "the friction is negative", "give a coefficient of 0 or more");
-    parameters_.contact.friction = friction;
-    std::visit([&](auto& physics) { physics.contact.friction = friction; }, physics_);
+    stepper_.parameters.contact.friction = friction;
 }
 
 void Farm::reset_velocities(int id) {
@@ -164,16 +133,7 @@ void Farm::reset_velocities(int id) {
 
 void Farm::reset_tangential_forces(int id) {
     AssemblyView& s = assembly(id).view();
-    for (int c = 0; c < s.contact_count(); ++c) {
-        const double ft = s.tangential_force[c];
-        if (ft == 0) continue;
-        // f = f_n n + f_t t: what is left is f_n n, with |f|^2 = f_n^2 + f_t^2 and f_n = k_n delta.
-        const double fn = contact_law(physics_).normal_stiffness * 2 * s.half_overlap[c];
-        const double fx = s.force_x[c], fy = s.force_y[c], squared = fn * fn + ft * ft;
-        s.force_x[c] = fn * (fn * fx + ft * fy) / squared; // n = (f_n f + f_t (f_y, -f_x)) / |f|^2
-        s.force_y[c] = fn * (fn * fy - ft * fx) / squared;
-        s.tangential_force[c] = 0;
-    }
+    std::fill_n(s.tangential_force, s.contact_count(), 0.0);
 }
 
 void Farm::save(int id, std::vector<std::byte>& bytes) const { assembly(id).save(bytes); }

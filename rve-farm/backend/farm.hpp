@@ -15,13 +15,17 @@
 #include "common/physics/rve_parameters.hpp"
 #include "rve-farm/assembly/assembly.hpp"
 #include "rve-farm/assembly/answer.hpp"
+#include "rve-farm/kernel/macro_step.hpp"
 #include "rve-farm/physics/physics.hpp"
 
 namespace talik::farm {
 
 struct FarmOptions {
     int threads = 0; // 0 = all that OpenMP offers
-    // Tests: visit every phase in an order scrambled by this seed (ShuffledTeam); must give the same bits.
+    std::optional<Level> level;               // of the instructions; none = the best that this machine has
+    Precision precision = Precision::double_; // of the kernel; the state is double always
+    bool ledger = true;                       // book work and dissipation: a twentieth of the time or so
+    // Tests: the plain kernel, every phase in an order scrambled by this seed (ShuffledTeam); must give the same bits.
     std::optional<std::uint64_t> shuffle_seed;
     // Called by the thread that finished an RVE, from several threads at once: only for advancing progress counters.
     std::function<void()> on_rve_done;
@@ -35,7 +39,8 @@ public:
          FarmOptions options = {});
 
     int size() const { return static_cast<int>(assemblies_.size()); }
-    const RveParameters& parameters() const { return parameters_; }
+    const RveParameters& parameters() const { return stepper_.parameters; }
+    const Kernel& kernel() const { return *stepper_.kernel; }
 
     // One macro step of the RVEs `ids` (any subset, no id twice).
     //   displacement_gradient_increments: dt grad v, row-major (xx xy yx yy) for each of the ids
@@ -71,9 +76,8 @@ private:
     // its ice is back there. The memory of the thaw is part of the RVE's state.
     void rebond(int id, double ice_saturation);
 
-    RveParameters parameters_;
     FarmOptions options_;
-    AnyPhysics physics_;
+    Stepper stepper_;
     std::vector<Assembly> assemblies_;
     std::unique_ptr<std::atomic<std::uint64_t>> rves_done_ = std::make_unique<std::atomic<std::uint64_t>>(0); // movable
 };

@@ -21,10 +21,9 @@ struct BrittleBond {
 
     // The bond breaks for good once the tension exceeds F_nb = beta_b c_n r^2 (Eq. 6) or the shear F_tb = beta_b c_t r^2
     // (Eq. 7), r the smaller radius, m. Compression alone never breaks it.
-    TALIK_HOST_DEVICE bool breaks(ContactForce<Real> force, Real smaller_radius, Real beta) const {
-        const Real area = smaller_radius * smaller_radius;
-        const Real shear = force.tangential < 0 ? -force.tangential : force.tangential;
-        return -force.normal > beta * normal_strength * area || shear > beta * tangential_strength * area;
+    TALIK_HOST_DEVICE auto breaks(ContactForce<Real> force, Real smaller_radius, Real beta) const {
+        const Real area = beta * smaller_radius * smaller_radius; // beta_b r^2, m^2
+        return (-force.normal > normal_strength * area) | (magnitude(force.tangential) > tangential_strength * area);
     }
 };
 

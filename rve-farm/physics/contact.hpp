@@ -1,14 +1,14 @@
 #pragma once
 // The contact of two discs without a bond, Eqs. (5a)-(5c) of the paper.
-#include "common/team/cpu_team.hpp"
+#include "rve-farm/kernel/real.hpp"
 
 namespace talik::farm {
 
 // The force of a contact on its `second` disc, along n (from first to second) and t = (-n_y, n_x).
 template <class Real>
 struct ContactForce {
-    Real normal = 0;     // f_n, N; positive pushes the discs apart
-    Real tangential = 0; // f_t, N
+    Real normal = Real(0);     // f_n, N; positive pushes the discs apart
+    Real tangential = Real(0); // f_t, N
 };
 
 template <class Real>
@@ -25,24 +25,22 @@ struct ContactLaw {
 
     // What a contact without bond can bear: no tension, and |f_t| scaled back to mu f_n (Eq. 5c).
     TALIK_HOST_DEVICE ContactForce<Real> limited(ContactForce<Real> trial) const {
-        if (!(trial.normal > 0)) return {0, 0};
-        const Real limit = friction * trial.normal; // mu f_n, N
-        if (trial.tangential > limit) trial.tangential = limit;
-        if (trial.tangential < -limit) trial.tangential = -limit;
-        return trial;
+        const Real normal = larger(trial.normal, Real(0));
+        const Real limit = friction * normal; // mu f_n, N
+        return {normal, smaller(larger(trial.tangential, -limit), limit)};
     }
 
     // Energy stored in the two springs, J: f_n^2 / 2 k_n + f_t^2 / 2 k_t.
     TALIK_HOST_DEVICE Real stored_energy(ContactForce<Real> force) const {
-        return force.normal * force.normal / (2 * normal_stiffness) +
-               force.tangential * force.tangential / (2 * tangential_stiffness);
+        return force.normal * force.normal / (Real(2) * normal_stiffness) +
+               force.tangential * force.tangential / (Real(2) * tangential_stiffness);
     }
 
     // Friction work of a sub-step, J: (f_t,old + f_t)/2 times the slip of the slider, (f_t,trial - f_t)/k_t. In steady
     // sliding mu f_n times the slip. The mean of old and new force, because that is what the trapezoidal work of leapfrog
     // puts into the contact: so the ledger closes.
     TALIK_HOST_DEVICE Real friction_loss(Real old_tangential, Real trial_tangential, Real tangential) const {
-        return (old_tangential + tangential) * (trial_tangential - tangential) / (2 * tangential_stiffness);
+        return (old_tangential + tangential) * (trial_tangential - tangential) / (Real(2) * tangential_stiffness);
     }
 
     // Energy lost when a bond breaks and the trial force falls to the actual one, at the end of a sub-step in which the
@@ -51,7 +49,7 @@ struct ContactLaw {
     TALIK_HOST_DEVICE Real breaking_loss(ContactForce<Real> trial, ContactForce<Real> actual, Real opening,
                                          Real slip_increment) const {
         return stored_energy(trial) - stored_energy(actual) +
-               ((trial.normal - actual.normal) * opening + (trial.tangential - actual.tangential) * slip_increment) / 2;
+               ((trial.normal - actual.normal) * opening + (trial.tangential - actual.tangential) * slip_increment) / Real(2);
     }
 };
 

@@ -3,31 +3,6 @@
 #include "common/base/error.hpp"
 
 namespace talik::farm {
-namespace {
-
-template <class BondLaw, class DampingLaw>
-AnyPhysics with_fluctuation(const ContactLaw<double>& contact, BondLaw bond, DampingLaw damping, bool fluctuation) {
-    if (fluctuation) return Physics<BondLaw, DampingLaw, KineticFluctuation>{contact, bond, damping, {}};
-    return Physics<BondLaw, DampingLaw, NoFluctuation>{contact, bond, damping, {}};
-}
-
-template <class BondLaw>
-AnyPhysics with_damping(const ContactLaw<double>& contact, BondLaw bond, const RveParameters& parameters) {
-    if (parameters.damping > 0)
-        return with_fluctuation(contact, bond, LocalDamping<double>{parameters.damping}, parameters.fluctuation_stress);
-    return with_fluctuation(contact, bond, NoDamping{}, parameters.fluctuation_stress);
-}
-
-} // namespace
-
-AnyPhysics choose_physics(const RveParameters& parameters) {
-    const ContactParameters& c = parameters.contact;
-    const ContactLaw<double> contact{c.normal_stiffness, c.tangential_stiffness, c.friction};
-    if (!parameters.bond) return with_damping(contact, NoBond{}, parameters);
-    const BondParameters& b = *parameters.bond;
-    return with_damping(contact, BrittleBond<double>{b.normal_strength, b.tangential_strength, b.strength_factor}, parameters);
-}
-
 void check(const RveParameters& parameters) {
     const ContactParameters& c = parameters.contact;
     require(c.normal_stiffness > 0, "the normal stiffness of a contact is not positive", "give it in N/m, for example 1e6");

@@ -1,7 +1,5 @@
 #pragma once
-// What acts in an RVE, as a type: chosen once per farm, so that an absent effect has no code in the loop.
-#include <variant>
-
+// What acts in an RVE, as a type: chosen once per chunk, so that an absent effect has no code in the loop.
 #include "common/physics/rve_parameters.hpp"
 #include "rve-farm/physics/bond.hpp"
 #include "rve-farm/physics/contact.hpp"
@@ -10,24 +8,15 @@
 
 namespace talik::farm {
 
-template <class BondLaw, class DampingLaw, class FluctuationLaw>
+template <class BondLaw, class DampingLaw, class FluctuationLaw, class Real = double>
 struct Physics {
-    ContactLaw<double> contact;
+    static constexpr bool with_bonds = BondLaw::exists, with_damping = DampingLaw::exists, with_fluctuation = FluctuationLaw::exists;
+
+    ContactLaw<Real> contact;
     BondLaw bond;
     DampingLaw damping;
     FluctuationLaw fluctuation;
 };
-
-using AnyPhysics = std::variant<Physics<NoBond, NoDamping, NoFluctuation>, //
-                                Physics<NoBond, NoDamping, KineticFluctuation>,
-                                Physics<NoBond, LocalDamping<double>, NoFluctuation>,
-                                Physics<NoBond, LocalDamping<double>, KineticFluctuation>,
-                                Physics<BrittleBond<double>, NoDamping, NoFluctuation>,
-                                Physics<BrittleBond<double>, NoDamping, KineticFluctuation>,
-                                Physics<BrittleBond<double>, LocalDamping<double>, NoFluctuation>,
-                                Physics<BrittleBond<double>, LocalDamping<double>, KineticFluctuation>>;
-
-AnyPhysics choose_physics(const RveParameters& parameters);
 
 // Refuses impossible mixes and values without meaning, all in one place.
 void check(const RveParameters& parameters);

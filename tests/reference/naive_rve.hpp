@@ -131,9 +131,12 @@ private:
         const Vector normal = branch.normalized();
         const Vector tangent(-normal.y(), normal.x());
         const double arm_first = first.radius - overlap / 2, arm_second = second.radius - overlap / 2;
-        // Along t half way through the sub-step, where the branch is shorter by half of the opening.
-        const double slip = tangent.dot(moved) * (1 + normal.dot(moved) / (2 * branch.norm())) -
-                            dt * (arm_first * first.spin + arm_second * second.spin); // m
+        // Half way through the sub-step: the mean length of the branch times what it has turned, less what the discs roll on
+        // the lever arms of that moment.
+        const Vector from = rotation * old_branch;
+        const double turned = std::atan2(from.x() * branch.y() - from.y() * branch.x(), from.dot(branch)); // rad
+        const double middle = (from.norm() + branch.norm()) / 2, half_opening = (branch.norm() - from.norm()) / 2; // m
+        const double slip = middle * turned - dt * ((arm_first - half_opening / 2) * first.spin + (arm_second - half_opening / 2) * second.spin); // m
 
         double fn = p_.contact.normal_stiffness * overlap;                            // Eq. (5a)
         const double trial = contact.tangential - p_.contact.tangential_stiffness * slip; // Eq. (5b)
@@ -154,7 +157,7 @@ private:
         const double kn = p_.contact.normal_stiffness, kt = p_.contact.tangential_stiffness;
         if (broke)
             bond_dissipation += (trial_fn * trial_fn - fn * fn) / (2 * kn) + (trial * trial - ft * ft) / (2 * kt) +
-                                ((trial_fn - fn) * normal.dot(moved) + (trial - ft) * slip) / 2;
+                                ((trial_fn - fn) * 2 * half_opening + (trial - ft) * slip) / 2;
         else friction_dissipation += (contact.tangential + ft) / 2 * (trial - ft) / kt;
 
         const Vector force = fn * normal + ft * tangent;

@@ -1,4 +1,4 @@
-#include "rve-farm/assembly/advance.hpp"
+#include "rve-farm/kernel/macro_step.hpp"
 
 #include <cmath>
 

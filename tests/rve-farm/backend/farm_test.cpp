@@ -60,7 +60,12 @@ TEST_CASE("phases visited in scrambled order give the same bits, at every size a
         for (bool fluctuation : {false, true}) {
             FarmOptions shuffled;
             shuffled.shuffle_seed = 42;
-            check_same(driven({}, bonds, fluctuation), driven(shuffled, bonds, fluctuation));
+            FarmOptions plain;
+            plain.level = Level::plain;
+            for (Precision precision : {Precision::single_, Precision::double_}) {
+                plain.precision = shuffled.precision = precision;
+                check_same(driven(plain, bonds, fluctuation), driven(shuffled, bonds, fluctuation));
+            }
         }
 }
 
@@ -101,7 +106,9 @@ TEST_CASE("any subset of the RVEs may be advanced, and the others stay as they a
     farm.advance(ids, increments, {}, 1e-3, 0, answers);
     CHECK(samples::same_bits(farm, 1, alone, 0));
     CHECK(samples::step(alone, {1e-4, 0, 0, 0}, 1e-3).stress == answers[0].stress);
-    CHECK(farm.measure(0).stress == answers[1].stress);
+    const Answer now = farm.measure(0);
+    for (std::size_t k = 0; k < 3; ++k) // from the positions, not from what has moved since: the rounding of an overlap
+        CHECK(std::abs(now.stress[k] - answers[1].stress[k]) < 1e-12 * samples::mean_pressure(now));
 }
 
 TEST_CASE("no sub-steps given: as many as the time step of the parameters needs", "[clock]") {

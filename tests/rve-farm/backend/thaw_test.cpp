@@ -38,7 +38,7 @@ std::vector<double> critical_saturations(const Farm& farm) {
     for (int c = 0; c < s.contact_count(); ++c) {
         if (s.bonded[c] == 0) continue;
         const double radius = std::min(s.radius[s.first[c]], s.radius[s.second[c]]);
-        const double normal = farm.parameters().contact.normal_stiffness * 2 * s.half_overlap[c]; // f_n, N, > 0 in compression
+        const double normal = farm.parameters().contact.normal_stiffness * geometry_of(s, c).overlap; // f_n, N, > 0 in compression
         critical.push_back(std::max({0.0, -normal, std::abs(s.tangential_force[c])}) / (strength * radius * radius));
     }
     std::sort(critical.begin(), critical.end());

@@ -1,0 +1,55 @@
+#pragma once
+// How a branch has changed since the start of a chunk, from the motion of its end along its first direction n0 and across:
+// differences of small numbers never come from large ones, so that floats keep every digit of a slow thaw.
+#include "rve-farm/kernel/real.hpp"
+
+namespace talik::farm {
+
+// The series below hold while branches turn and stretch by at most this since the start of a chunk (advance keeps to it by
+// the length of its chunks): what they leave out is then less than the rounding of the precision, at most 3e-9 of an angle
+// or a length in float, 4e-18 in double.
+constexpr double largest_turn_of_a_branch = 0.012; // rad, and strain
+
+template <class Real>
+constexpr bool is_single = sizeof(Scalar<Real>) == 4;
+
+// 1 / (1 + e). In float by its series, which is off by e^4 < 2.1e-8 of itself, a third of a rounding: no division, whose
+// latency is the longest of the whole contact.
+template <class Real>
+TALIK_HOST_DEVICE Real reciprocal_of_one_plus(Real e) {
+    if constexpr (is_single<Real>) {
+        const Real f = Real(1) - e;
+        return f + f * (e * e); // (1 - e)(1 + e^2)
+    } else {
+        return Real(1) / (Real(1) + e);
+    }
+}
+
+template <class Real>
+struct BranchMotion {
+    Real length_change;  // |b| - |b0|, m
+    Real cosine, sine;   // of the angle from n0 to n
+    Real angle;          // rad, counter-clockwise
+
+    // length: |b0|, m. along, across: components of (b - b0) / |b0| along n0 and t0 = (-n0_y, n0_x), -.
+    // With q = across / (1 + along): |b| / |b0| = (1 + along) sqrt(1 + q^2), cosine = 1 / sqrt(1 + q^2), angle = atan q.
+    TALIK_HOST_DEVICE BranchMotion(Real length, Real along, Real across) {
+        const Real q = across * reciprocal_of_one_plus(along), u = q * q;
+        Real root, inverse_root, arcus; // sqrt(1 + u) - 1, 1 / sqrt(1 + u) - 1, atan(q) / q - 1
+        if constexpr (is_single<Real>) {
+            root = u * (Real(1.0 / 2) - u * Real(1.0 / 8));
+            inverse_root = u * Real(-1.0 / 2);
+            arcus = u * Real(-1.0 / 3);
+        } else {
+            root = u * (Real(1.0 / 2) + u * (Real(-1.0 / 8) + u * Real(1.0 / 16)));
+            inverse_root = u * (Real(-1.0 / 2) + u * (Real(3.0 / 8) + u * Real(-5.0 / 16)));
+            arcus = u * (Real(-1.0 / 3) + u * (Real(1.0 / 5) + u * Real(-1.0 / 7)));
+        }
+        length_change = length * (along + (root + along * root));
+        cosine = Real(1) + inverse_root;
+        sine = q + q * inverse_root;
+        angle = q + q * arcus;
+    }
+};
+
+} // namespace talik::farm

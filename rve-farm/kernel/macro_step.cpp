@@ -1,0 +1,140 @@
+#include "rve-farm/kernel/macro_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rve-farm/assembly/neighbours.hpp"
+#include "rve-farm/assembly/stable_step.hpp"
+#include "rve-farm/kernel/branch_motion.hpp"
+#include "rve-farm/kernel/physics_choice.hpp"
+
+namespace talik::farm {
+namespace {
+
+// So that no branch turns or stretches by more than largest_turn_of_a_branch in a chunk: strain of the cell, and displacement
+// of any disc over the smallest radius (a branch is at least two of them long, and has two ends).
+constexpr double largest_strain_of_a_chunk = 0.004, largest_displacement_of_a_chunk = 0.008;
+static_assert(largest_strain_of_a_chunk + largest_displacement_of_a_chunk <= largest_turn_of_a_branch);
+// Over the smallest radius, in a single sub-step, which cannot be shortened: beyond it discs have exploded. (The series are
+// then off by up to 1e-4 of an angle, which a collision of that violence does not notice.)
+constexpr double largest_displacement_of_a_sub_step = 0.1;
+
+thread_local WorkMemory work_memory;
+
+struct ChunkFit {
+    double by_list, by_series; // largest displacement of any disc, m
+    double allowed() const { return std::min(by_list, by_series); }
+};
+
+ChunkFit fit(const AssemblyNumbers& n, double strain, int substeps) {
+    const double largest = substeps == 1 ? largest_displacement_of_a_sub_step : largest_displacement_of_a_chunk;
+    return {displacement_left(n, strain), largest * n.smallest_radius};
+}
+
+// Takes up to `substeps` sub-steps on one list: rebuilds it where it is spent or is about to be, shortens the chunk where
+// even a fresh list would not outlast it. Returns how many were taken; 0 with a status where none could be.
+int take_chunk(const Stepper& stepper, Assembly& rve, int substeps, const Stretch& stretch, double sub_step, double beta, ChunkOutcome& outcome,
+               Status& status) {
+    AssemblyView& s = rve.view();
+    AssemblyNumbers& n = *s.numbers;
+    const double strain = stretch.largest_strain(); // of a sub-step; the same in every one of the macro step
+    bool fresh = n.list_substeps == 0;
+    const auto rebuild = [&] {
+        fresh = true;
+        status = rebuild_neighbours(s, rve.columns());
+        return status == Status::ok;
+    };
+    if (!fresh && n.last_displacement * substeps >= fit(n, strain * substeps, substeps).by_list && !rebuild()) return 0;
+    for (;;) {
+        const ChunkFit fits = fit(n, strain * substeps, substeps);
+        ChunkRequest request;
+        request.stretch = stretch;
+        request.substeps = substeps;
+        request.sub_step = sub_step;
+        request.first_kick = n.last_sub_step > 0 ? (n.last_sub_step + sub_step) / 2 : sub_step; // forces act half of each
+        request.beta = beta;
+        request.displacement_allowed = fits.allowed();
+        request.ledger = stepper.ledger;
+        rve.layout().update(s, stepper.shape());
+        if (fits.allowed() > 0) {
+            outcome = stepper.run(request, s, rve.columns(), rve.layout());
+            if (!outcome.finite) {
+                status = Status::not_finite;
+                return 0;
+            }
+            if (outcome.accepted) {
+                n.strain_bound += outcome.strain;
+                n.list_substeps += substeps;
+                n.last_displacement = outcome.largest_displacement / substeps;
+                return substeps;
+            }
+            ++n.retaken_chunks;
+        }
+        const bool list_was_too_narrow = !(outcome.largest_displacement <= fits.by_list) || fits.by_list <= 0;
+        if (list_was_too_narrow && !fresh) {
+            if (!rebuild()) return 0;
+        } else if (substeps > 1) {
+            substeps /= 2;
+        } else if (list_was_too_narrow && n.skin < n.widest_skin) {
+            n.skin = n.widest_skin;
+            n.list_substeps = 0; // the skin is not to be chosen from what has just been too little
+            if (!rebuild()) return 0;
+        } else {
+            status = Status::not_finite;
+            return 0;
+        }
+    }
+}
+
+} // namespace
+
+ChunkOutcome Stepper::run(const ChunkRequest& request, AssemblyView& s, const ColumnChoice& columns, const SlotLayout& layout) const {
+    if (shuffle_seed) return run_shuffled(*shuffle_seed, kernel->precision, parameters, request, s, columns, layout, work_memory);
+    return kernel->run(parameters, request, s, columns, layout, work_memory);
+}
+
+int substeps_needed(const MacroStep& step) {
+    const double strain = stretch_of(step.xx, step.xy, step.yx, step.yy, 0).largest_strain();
+    if (!(strain <= largest_strain_of_a_macro_step) || !std::isfinite(step.xy - step.yx)) return -1;
+    return std::max(step.substeps, static_cast<int>(std::ceil(strain / largest_strain_of_a_sub_step * (1 - 1e-12))));
+}
+
+Answer advance(const Stepper& stepper, Assembly& rve, const MacroStep& step) {
+    AssemblyView& s = rve.view();
+    AssemblyNumbers& n = *s.numbers;
+    const ContactLaw<double> law = contact_law_of(stepper.parameters);
+    Answer fault;
+    fault.status = Status::not_finite;
+    const int substeps = substeps_needed(step);
+    if (substeps < 0) return fault;
+    const double sub_step = step.time_increment / substeps;
+    if (!is_stable(s, law, sub_step)) {
+        fault.status = Status::unstable_step;
+        fault.largest_stable_step = stable_step(omega_squared_of_contacts(s, law));
+        return fault;
+    }
+    if (substeps > step.substeps) ++n.split_steps;
+    Stretch stretch = stretch_of(step.xx / substeps, step.xy / substeps, step.yx / substeps, step.yy / substeps, n.frame_angle);
+    const double strain = stretch.largest_strain();
+    const int longest = strain > 0 ? static_cast<int>(std::clamp(largest_strain_of_a_chunk / strain, 1.0, 1e6)) : substeps;
+    ChunkOutcome outcome;
+    for (int left = substeps; left > 0;) {
+        outcome = ChunkOutcome();
+        const int taken = take_chunk(stepper, rve, std::min(left, longest), stretch, sub_step, step.beta, outcome, fault.status);
+        if (taken == 0) return fault;
+        left -= taken;
+        stretch = outcome.stretch;
+    }
+    return outcome.answer;
+}
+
+Answer measure(const Stepper& stepper, const Assembly& rve) {
+    Assembly copy(rve); // the layout is the kernel's, and the state stays
+    ChunkRequest request;
+    request.give_back = false;
+    request.ledger = false;
+    copy.layout().update(copy.view(), stepper.shape());
+    return stepper.run(request, copy.view(), copy.columns(), copy.layout()).answer;
+}
+
+} // namespace talik::farm

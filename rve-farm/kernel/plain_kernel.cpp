@@ -1,0 +1,168 @@
+// The plain kernel: the phases of a sub-step on a team, one slot after the other.
+#include "rve-farm/kernel/chunk.hpp"
+#include "rve-farm/kernel/disc_step.hpp"
+#include "rve-farm/kernel/physics_choice.hpp"
+#include "rve-farm/kernel/plain_kernel.hpp"
+
+namespace talik::farm {
+namespace {
+
+struct Plain {}; // Level tag
+
+template <class Real, class Physics>
+void move_disc(const Physics& physics, const SlotLayout& layout, const Symmetric& d, Real kick, Real dt, bool ledger, Work<Real, Plain>& w, int k) {
+    constexpr bool fluctuation = Physics::with_fluctuation;
+    Real force[3] = {0, 0, 0};
+    add_owned(w, layout, k, force);
+    add_incoming(w, layout, k, force);
+    const int row = 4 * k;
+    Real *v = w.velocity + row, *u = w.displacement + row;
+    const Real* im = w.inverse_mass + row;
+    const Real xx = Real(d.xx), yy = Real(d.yy), xy = Real(d.xy), old[3] = {v[0], v[1], v[2]};
+    double damping = 0;
+    for (int a = 0; a < 3; ++a) {
+        Real damped;
+        const Real next = kicked(physics, force[a], v[a], kick, im[a], damped);
+        if (ledger) damping += static_cast<double>(damping_loss(force[a], damped, v[a], next, kick));
+        v[a] = next;
+    }
+    double fluctuation_work = 0;
+    if constexpr (fluctuation) { // -D v_f, the reaction to the kinetic stress
+        const Real lost_x = stretched(xx, xy, old[0], old[1]), lost_y = stretched(yy, xy, old[1], old[0]);
+        if (ledger) fluctuation_work = -static_cast<double>(w.mass[row] * (lost_x * (old[0] + v[0] - lost_x) + lost_y * (old[1] + v[1] - lost_y)) / 2);
+        v[0] -= lost_x;
+        v[1] -= lost_y;
+    }
+    const Real x = u[0], y = u[1];
+    u[0] = x + (stretched(xx, xy, x, y) + dt * v[0]); // w <- U w + dt v_f
+    u[1] = y + (stretched(yy, xy, y, x) + dt * v[1]);
+    u[2] += dt * v[2];
+    if (!ledger) return;
+    double* booked = w.booked + Work<Real, Plain>::booked_columns * k;
+    booked[0] = damping;
+    booked[1] = fluctuation_work;
+    booked[2] = static_cast<double>(force[0] * old[0]);
+    booked[3] = static_cast<double>(force[1] * old[1]);
+    booked[4] = static_cast<double>(force[0] * old[1] + force[1] * old[0]) / 2;
+}
+
+template <bool ledger, class Real, class Physics>
+void step_contact(const Physics& physics, const SlotLayout& layout, const CellMotion<Real>& cell, Real beta, Work<Real, Plain>& w, int k) {
+    const auto slot = static_cast<std::size_t>(k);
+    using F = ContactField;
+    Real* field = w.contact(k);
+    const int lanes = w.lanes();
+    const Real* wi = w.displacement + layout.owner[slot];
+    const Real* wj = w.displacement + layout.partner[slot];
+    const ContactStart<Real> start{field[F::normal_x * lanes], field[F::normal_y * lanes],        field[F::length * lanes], field[F::inverse_length * lanes],
+                                   field[F::overlap * lanes],  field[F::half_difference * lanes], field[F::tangential_start * lanes]};
+    const RelativeMotion<Real> moved{wj[0] - wi[0], wj[1] - wi[1], wi[2] + wj[2], wi[2] - wj[2]};
+    ContactMemory<Real> memory{field[F::turn * lanes], field[F::length_change * lanes], field[F::tangential_change * lanes]};
+    ContactLoss<Real> loss{0, 0};
+    Real old_tangential = 0;
+    if constexpr (ledger) old_tangential = field[F::tangential(Physics::with_bonds) * lanes];
+    ContactAction<Real> action;
+    if constexpr (Physics::with_bonds) {
+        BondState<Real> bonds{field[F::bonded * lanes], field[F::smaller_radius * lanes], beta};
+        action = contact_step<ledger>(physics, cell, start, moved, memory, bonds, old_tangential, loss);
+        field[F::bonded * lanes] = bonds.bonded;
+    } else {
+        NoBondState<Real> none;
+        action = contact_step<ledger>(physics, cell, start, moved, memory, none, old_tangential, loss);
+    }
+    field[F::turn * lanes] = memory.turn;
+    field[F::length_change * lanes] = memory.length_change;
+    field[F::tangential_change * lanes] = memory.tangential_change;
+    Real* row = w.contact_force + layout.row[slot];
+    row[0] = action.x;
+    row[1] = action.y;
+    row[2] = action.partner_torque;
+    row[3] = action.owner_torque;
+    if constexpr (ledger) {
+        field[F::tangential(Physics::with_bonds) * lanes] = action.tangential;
+        Virial<double> virial;
+        virial.add_contact(action.x, action.y, action.length * action.normal_x, action.length * action.normal_y);
+        double* booked = w.booked + Work<Real, Plain>::booked_columns * k;
+        booked[0] = loss.friction, booked[1] = loss.bond;
+        booked[2] = virial.xx, booked[3] = virial.yy, booked[4] = virial.xy;
+    }
+}
+
+template <class Real>
+void sum_booked(const Work<Real, Plain>& w, int slots, double (&sums)[Work<Real, Plain>::booked_columns]) {
+    for (double& sum : sums) sum = 0;
+    for (int k = 0; k < slots; ++k)
+        for (int a = 0; a < Work<Real, Plain>::booked_columns; ++a) sums[a] += w.booked[Work<Real, Plain>::booked_columns * k + a];
+}
+
+template <bool ledger, class Real, class Team, class Physics>
+ChunkOutcome run_phases(const Team& team, const Physics& physics, const ContactLaw<double>& law, const ChunkRequest& request, AssemblyView& s,
+                        const ColumnChoice& columns, const SlotLayout& layout, WorkMemory& memory) {
+    Work<Real, Plain> w(memory, layout, columns, ledger, true);
+    load_discs(team, s, layout, w);
+    load_contacts(team, s, layout, law, w);
+    ChunkOutcome outcome;
+    ChunkMotion cell;
+    ChunkLedger booked;
+    WorkLedger work(ledger ? virial_at_start(w, layout) : Virial<double>{});
+    Stretch stretch = request.stretch;
+    const Real dt = Real(request.sub_step), beta = Real(request.beta);
+    double sums[Work<Real, Plain>::booked_columns], largest_squared = 0;
+    for (int step = 0; step < request.substeps; ++step) {
+        const Symmetric d = stretch.change();
+        const Real kick = Real(step == 0 ? request.first_kick : request.sub_step);
+        team.each(w.disc_slots, [&](int k) { move_disc(physics, layout, d, kick, dt, ledger, w, k); }); // Eqs. (44)-(46)
+        for (int k = 0; k < w.disc_slots; ++k) {
+            const Real x = w.displacement[4 * k], y = w.displacement[4 * k + 1];
+            largest_squared = larger(largest_squared, static_cast<double>(x * x + y * y));
+        }
+        Symmetric power;
+        if constexpr (ledger) {
+            sum_booked(w, w.disc_slots, sums);
+            booked.damping += sums[0], booked.work += sums[1];
+            power = {sums[2], sums[3], sums[4]};
+        }
+        cell.advance(stretch);
+        const CellMotion<Real> e = cell.template as<Real>();
+        team.each(w.contact_slots, [&](int k) { step_contact<ledger>(physics, layout, e, beta, w, k); }); // Eqs. (5)-(7)
+        if constexpr (ledger) {
+            sum_booked(w, w.contact_slots, sums);
+            booked.friction += sums[0], booked.bond += sums[1];
+            work.sub_step(stretch, {sums[2], sums[3], sums[4]}, power, request.sub_step, booked);
+        }
+        outcome.strain += stretch.largest_strain();
+        outcome.last_stretch = stretch;
+        stretch.turn_with_the_frame();
+    }
+    outcome.stretch = stretch;
+    finish(request, cell, law, layout, w, s, booked, std::sqrt(largest_squared), false, outcome);
+    return outcome;
+}
+
+template <class Real, class Team>
+ChunkOutcome run_plain(const Team& team, const RveParameters& parameters, const ChunkRequest& request, AssemblyView& s, const ColumnChoice& columns,
+                       const SlotLayout& layout, WorkMemory& memory) {
+    ChunkOutcome outcome;
+    with_physics<Real>(parameters, [&](const auto& physics) {
+        const ContactLaw<double> law = contact_law_of(parameters);
+        outcome = request.ledger ? run_phases<true, Real>(team, physics, law, request, s, columns, layout, memory)
+                                 : run_phases<false, Real>(team, physics, law, request, s, columns, layout, memory);
+    });
+    return outcome;
+}
+
+} // namespace
+
+ChunkOutcome run_plain_double(const RveParameters& p, const ChunkRequest& r, AssemblyView& s, const ColumnChoice& c, const SlotLayout& l, WorkMemory& m) {
+    return run_plain<double>(SerialTeam{}, p, r, s, c, l, m);
+}
+ChunkOutcome run_plain_single(const RveParameters& p, const ChunkRequest& r, AssemblyView& s, const ColumnChoice& c, const SlotLayout& l, WorkMemory& m) {
+    return run_plain<float>(SerialTeam{}, p, r, s, c, l, m);
+}
+ChunkOutcome run_shuffled(std::uint64_t seed, Precision precision, const RveParameters& p, const ChunkRequest& r, AssemblyView& s, const ColumnChoice& c,
+                          const SlotLayout& l, WorkMemory& m) {
+    const ShuffledTeam team(seed);
+    return precision == Precision::single_ ? run_plain<float>(team, p, r, s, c, l, m) : run_plain<double>(team, p, r, s, c, l, m);
+}
+
+} // namespace talik::farm

@@ -1,0 +1,71 @@
+#pragma once
+// The working copy of one RVE during a chunk, in slot order (slot_layout.hpp). Rows of four hold what belongs together:
+// a partner is fetched in one load. `Level` keeps code compiled for different machines apart.
+#include <cstddef>
+#include <cstdint>
+
+#include "rve-farm/kernel/kernel.hpp"
+
+namespace talik::farm {
+
+// Contacts lie in blocks, one number of as many contacts as the kernel has lanes side by side, then the next number: a block
+// is walked with one pointer. The order of the numbers (see ContactStart, ContactMemory); the last three only where present.
+struct ContactField {
+    enum : int { normal_x, normal_y, length, inverse_length, overlap, half_difference, tangential_start, turn, length_change, tangential_change, always };
+    static constexpr int bonded = always, smaller_radius = always + 1;                // with bonds
+    static constexpr int tangential(bool bonds) { return always + (bonds ? 2 : 0); }          // f_t of the last sub-step; with the ledger
+    static constexpr int count(bool bonds, bool ledger) { return tangential(bonds) + (ledger ? 1 : 0); }
+};
+
+template <class Real, class Level>
+struct Work {
+    int disc_slots = 0, contact_slots = 0;
+    bool bonds = false, ledger = false;
+    // discs, rows of four
+    Real* displacement; // {w_x, w_y, theta, 0}: since the start of the chunk; w non-affine, m; theta relative to the frame, rad
+    Real* velocity;     // {v_x, v_y, spin, 0}: m/s, m/s, 1/s
+    Real* inverse_mass; // {1/m, 1/m, 2/(m r^2), 0}: 1/kg, 1/kg, 1/(kg m^2)
+    Real* mass;         // {m, m, 0, 0}: kg; only with the fluctuation effect
+    Real* force;        // {F_x, F_y, torque, 0}: N, N, N m
+    // contacts
+    Real* blocks;        // of contact fields
+    Real* contact_force; // rows, and a last one of zeros: {f_x, f_y, torque on the partner, torque on the owner}; only the plain kernel writes the last
+    double* booked;      // ledger of the plain kernel: columns of contact slots or disc slots
+
+    static constexpr int booked_columns = 5;
+
+    // The fields of a contact slot: field f is at [f * lanes].
+    TALIK_HOST_DEVICE Real* contact(int slot) const { return blocks + (slot >> shift_) * block_size_ + (slot & ((1 << shift_) - 1)); }
+    TALIK_HOST_DEVICE int lanes() const { return 1 << shift_; }
+
+    // Columns one after the other, each on a cache line of its own.
+    Work(WorkMemory& memory, const SlotLayout& layout, const ColumnChoice& columns, bool with_ledger, bool plain)
+        : disc_slots(layout.disc_slots()), contact_slots(layout.contact_slots()), bonds(columns.bond), ledger(with_ledger) {
+        while ((1 << shift_) < layout.shape.lanes) ++shift_;
+        block_size_ = ContactField::count(bonds, ledger) << shift_;
+        lay_out(columns, plain); // how much
+        begin_ = memory.take(used_);
+        used_ = 0;
+        lay_out(columns, plain);
+    }
+
+private:
+    void lay_out(const ColumnChoice& columns, bool plain) {
+        for (Real** rows : {&displacement, &velocity, &inverse_mass, &force}) place(*rows, 4 * disc_slots, true);
+        place(mass, 4 * disc_slots, columns.fluctuation);
+        place(blocks, (contact_slots >> shift_) * block_size_, true);
+        place(contact_force, 4 * contact_slots + 4, true);
+        place(booked, booked_columns * (contact_slots > disc_slots ? contact_slots : disc_slots), ledger && plain);
+    }
+    template <class Entry>
+    void place(Entry*& column, int entries, bool present) {
+        column = present && begin_ ? reinterpret_cast<Entry*>(begin_ + used_) : nullptr;
+        if (present) used_ += (static_cast<std::size_t>(entries) * sizeof(Entry) + 63) / 64 * 64;
+    }
+
+    std::byte* begin_ = nullptr;
+    std::size_t used_ = 0;
+    int shift_ = 0, block_size_ = 0; // lanes = 2^shift
+};
+
+} // namespace talik::farm
