@@ -98,6 +98,7 @@ public:
     // After the end of go(), however it ended.
     void close(int exit, const std::string& cause) {
         RunFacts facts = laws_.facts();
+        facts.warnings.insert(facts.warnings.end(), simulation_.warnings().begin(), simulation_.warnings().end());
         facts.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
         facts.stage_seconds = simulation_.schedule().timer().rows();
         facts.stage_seconds.emplace_back("output", output_seconds_);
@@ -131,6 +132,7 @@ private:
         const auto timed = StageTimer::Scope(output_seconds_);
         const double now = simulation_.time();
         const bool turn = simulation_.stage() != stage;
+        for (; warned_ < simulation_.warnings().size(); ++warned_) log::warn("{}", simulation_.warnings()[warned_]);
         if (turn && !simulation_.finished()) log::info("t = {:.4g} s: stage \"{}\"", now, scene_.stages[static_cast<std::size_t>(simulation_.stage())].name);
         if (scene_.output.history_interval <= 0.0 || due(scene_.output.history_interval, before, now)) write_history();
         written_fields_ = due(scene_.output.fields_interval, before, now);
@@ -167,6 +169,7 @@ private:
     std::optional<History> history_;
     std::optional<FieldsWriter> fields_;
     bool written_fields_ = false;
+    std::size_t warned_ = 0; // of the simulation's warnings
     std::int64_t checkpointed_step_ = -1;
     double output_seconds_ = 0.0;
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();

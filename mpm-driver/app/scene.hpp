@@ -53,8 +53,9 @@ struct WallSpec {
 struct StageSpec {
     std::string name;
     double duration = 0.0;                // s, at most
-    std::optional<double> energy_ratio;   // ends earlier, once kinetic energy / internal work falls below this
+    std::optional<double> energy_ratio;   // ends earlier, once kinetic energy / internal work of the stage stays below this
     Vector gravity = Vector::Zero();      // m/s^2
+    double gravity_ramp = 0.0;            // s: gravity grows smoothly to it from that of the stage before (from 0 at the start)
     double particle_damping = 0.0;        // alpha_p, 1/s (Eq. 34)
     double grid_damping = 0.0;            // alpha_g, 1/s (Eq. 34)
     double pic = 0.0;                     // alpha_PIC per step, in [0, 1] (Eq. 34)

@@ -117,8 +117,9 @@ Table<StageSpec> stage_table() {
     Table<S> table("Stages of the run, one after the other.");
     table.text("name", &S::name, "for the log and the output", required)
         .quantity("duration", &S::duration, time, positive(), "at most", required)
-        .optional_quantity("energy_ratio", &S::energy_ratio, none, positive(), "ends earlier, once kinetic energy / internal work falls below this")
+        .optional_quantity("energy_ratio", &S::energy_ratio, none, positive(), "ends earlier, once kinetic energy / internal work of the stage stays below this for ten steps; else a warning is given at the end")
         .components("gravity", &S::gravity, acceleration, any(), "gx, gy")
+        .quantity("gravity_ramp", &S::gravity_ramp, time, not_negative(), "gravity grows smoothly over this time, from that of the stage before (at the start from zero)")
         .quantity("particle_damping", &S::particle_damping, rate, not_negative(), "alpha_p (Eq. 34)")
         .quantity("grid_damping", &S::grid_damping, rate, not_negative(), "alpha_g (Eq. 34)")
         .number("pic", &S::pic, between(0, 1), "alpha_PIC, fraction of PIC per step (Eq. 34)")

@@ -33,7 +33,7 @@ void Simulation::build_schedule() {
     if (cell_means_) schedule_.add("points in cells", [this] { cell_means_->locate(grid_, points_); });
     schedule_.add("nodal forces", [this] {
         nodal_forces(points_, cell_means_ ? cell_means_->acting_stress(points_) : points_.stress, supports_, scene_.confining_pressure,
-                     present_stage().gravity, grid_);
+                     gravity_, grid_);
     });
     schedule_.add("hold at walls", [this] {
         if (!prescribed_) hold_mapped_velocity(walls_, grid_, dt_, scene_.confining_pressure);
@@ -106,14 +106,37 @@ std::vector<std::uint32_t> Simulation::points_of(const std::vector<std::string>&
     return ids;
 }
 
+// Of the present stage: grown smoothly (3 s^2 - 2 s^3, no jump of the force's rate) from that at the end of the stage before.
+Vector Simulation::gravity_at(double time) const {
+    const StageSpec& stage = present_stage();
+    const double part = stage.gravity_ramp > 0.0 ? std::clamp((time - clock_.stage_start) / stage.gravity_ramp, 0.0, 1.0) : 1.0;
+    const Vector before(clock_.gravity_x, clock_.gravity_y);
+    return before + part * part * (3.0 - 2.0 * part) * (stage.gravity - before);
+}
+
+// At rest: kinetic energy below a part of the internal work of the stage so far, for ten steps in a row, so that the
+// moment in which a swinging body turns back is not taken for rest; and not while gravity still grows.
+bool Simulation::is_at_rest() {
+    const StageSpec& stage = present_stage();
+    const double work = std::abs(ledger_.internal_work - clock_.internal_work_at_stage_start); // J
+    const bool ramped = clock_.time >= clock_.stage_start + stage.gravity_ramp;
+    const bool slow = stage.energy_ratio && ramped && work > 0.0 && ledger_.kinetic < *stage.energy_ratio * work;
+    clock_.steps_at_rest = slow ? clock_.steps_at_rest + 1.0 : 0.0;
+    return clock_.steps_at_rest >= 10.0;
+}
+
 void Simulation::leave_stage_when_done() {
     const StageSpec& stage = present_stage();
     const double remaining = clock_.stage_start + stage.duration - clock_.time;
     const double rounding = scene_.step.fixed ? 0.5 * *scene_.step.fixed : 1e-9 * stage.duration;
-    // Internal work of the stage so far against the kinetic energy: at the very start the latter is far larger.
-    const double work = std::abs(ledger_.internal_work - clock_.internal_work_at_stage_start);
-    const bool at_rest = stage.energy_ratio && work > 0.0 && ledger_.kinetic < *stage.energy_ratio * work;
+    const bool at_rest = is_at_rest();
     if (remaining > rounding && !at_rest) return;
+    if (stage.energy_ratio && !at_rest)
+        warnings_.push_back(fmt::format("stage \"{}\" ended at its latest time before it came to rest: kinetic energy is {:.2g} of its internal work, asked for were {:.2g}",
+                                        stage.name, ledger_.kinetic / std::abs(ledger_.internal_work - clock_.internal_work_at_stage_start), *stage.energy_ratio));
+    const Vector gravity = gravity_at(clock_.time);
+    clock_.gravity_x = gravity[0], clock_.gravity_y = gravity[1];
+    clock_.steps_at_rest = 0.0;
     clock_.stage += 1.0;
     enter_stage();
 }
@@ -142,6 +165,7 @@ void Simulation::step(double dt) {
              fmt::format("use step = \"auto\", or at most {:.3g} s", 0.5 * std::min(limit.step, limit.surface_step)));
     if (steps_done() == 0) ledger_.open(points_); // with what the caller may have set since
     dt_ = dt;
+    gravity_ = gravity_at(clock_.time + 0.5 * dt);
     schedule_.run();
     clock_.time += dt;
     clock_.step += 1.0;
@@ -183,7 +207,7 @@ void Simulation::collect_from_laws() {
 
 void Simulation::book_step() {
     point_work_ += 0.5 * stress_power(points_); // and with those at its end: trapezoidal, as the grid's sum over steps is
-    ledger_.book_grid(grid_, dt_, scene_.confining_pressure, present_stage().gravity, walls_, prescribed_.has_value());
+    ledger_.book_grid(grid_, dt_, scene_.confining_pressure, gravity_, walls_, prescribed_.has_value());
     ledger_.book_points(points_, point_books_, point_work_);
 }
 
@@ -192,8 +216,8 @@ std::vector<StateColumn> Simulation::state() {
     const auto append = [&](std::vector<StateColumn> more) { columns.insert(columns.end(), more.begin(), more.end()); };
     for (Wall& wall : walls_) append(wall.state());
     append(ledger_.state());
-    append({{"clock", "SI", "time s, steps, stage, start of the stage s, internal work J at that start",
-             {"time", "step", "stage", "stage_start", "internal_work_at_stage_start"}, &clock_.time, 1}});
+    append({{"clock", "SI", "time s, steps, stage, start of the stage s, internal work J and gravity m/s2 at that start, steps at rest",
+             {"time", "step", "stage", "stage_start", "internal_work_at_stage_start", "gravity_x", "gravity_y", "steps_at_rest"}, &clock_.time, 1}});
     return columns;
 }
 

@@ -51,6 +51,7 @@ public:
     const Points& points() const { return points_; }
     Points& points() { return points_; } // for initial conditions beyond what a scene says
     const std::vector<Wall>& walls() const { return walls_; }
+    const std::vector<std::string>& warnings() const { return warnings_; } // of stages that ended as they should not
     const Ledger& ledger() const { return ledger_; }
     const Schedule& schedule() const { return schedule_; }
     const Laws& laws() const { return laws_; }
@@ -64,6 +65,8 @@ public:
 private:
     struct Clock { // doubles only: it travels as a column of the state
         double time = 0.0, step = 0.0, stage = 0.0, stage_start = 0.0, internal_work_at_stage_start = 0.0;
+        double gravity_x = 0.0, gravity_y = 0.0; // when the stage began, m/s^2: a ramp starts from it
+        double steps_at_rest = 0.0;              // in a row, up to now
     };
     struct LawPoints {
         Law* law;
@@ -74,9 +77,11 @@ private:
     void begin_laws();
     LawAnswer answer_columns();
     void enter_stage();
+    bool is_at_rest();
     void leave_stage_when_done();
     std::vector<std::uint32_t> points_of(const std::vector<std::string>& bodies) const;
     const StageSpec& present_stage() const;
+    Vector gravity_at(double time) const;
 
     void constrain_grid();
     void submit_to_laws();
@@ -97,9 +102,11 @@ private:
     Schedule schedule_;
     Ledger ledger_;
     Clock clock_;
+    std::vector<std::string> warnings_;
 
     // Of the present step.
     double dt_ = 0.0;         // s
+    Vector gravity_ = Vector::Zero(); // m/s^2, at the middle of the step
     double point_work_ = 0.0; // J
     PointUpdateBooks point_books_;
 };
