@@ -72,11 +72,13 @@ public:
 
     void announce() const {
         const Effects effects = effects_of(scene_);
+        if (const HeatSolver* heat = simulation_.heat())
+            for (const std::string& warning : heat->warnings()) log::warn("{}", warning);
         log::info("{}: {} points, {} RVEs; output in {}", scene_.title, simulation_.points().count(), laws_.rves(), output_.string());
         for (const auto& effect : effects.on) log::info("on   {}", effect);
         for (const auto& effect : effects.off) log::info("off  {}", effect);
         log::info("a step: {}", fmt::join(simulation_.schedule().table_of_contents(), " > "));
-        log::info("largest stable step: {}", describe(simulation_.stable_step(), simulation_.grid().cell()));
+        log::info("largest stable step: {}", simulation_.describe_limits());
     }
 
     int go() {
@@ -99,6 +101,8 @@ public:
     void close(int exit, const std::string& cause) {
         RunFacts facts = laws_.facts();
         facts.warnings.insert(facts.warnings.end(), simulation_.warnings().begin(), simulation_.warnings().end());
+        if (const HeatSolver* heat = simulation_.heat())
+            for (const std::string& warning : heat->warnings()) facts.warnings.push_back(warning);
         facts.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
         facts.stage_seconds = simulation_.schedule().timer().rows();
         facts.stage_seconds.emplace_back("output", output_seconds_);

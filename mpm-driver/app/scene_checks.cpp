@@ -121,6 +121,7 @@ void check_whole_scene(const Scene& scene, const Place& at) {
     check_law(scene, at, "elastic", scene.elastic.has_value());
     check_law(scene, at, "rve", scene.rve.has_value());
     check_bodies(scene, at);
+    check_heat(scene, at);
     check_walls(scene, at);
     check_stages(scene, at);
     check_k0(scene, at);

@@ -17,6 +17,7 @@ double stress_power(const Points& points) {
 }
 
 void Ledger::sum_law_energy(const Points& points) {
+    if (!points.mechanical) return;
     const auto sums = ordered_sums<2>(points.count(), [&](std::size_t p, std::array<double, 2>& sum) {
         sum[0] += points.energy[p].total();
         sum[1] += points.energy[p].stored;
@@ -32,6 +33,7 @@ void Ledger::open(const Points& points) {
     *this = Ledger();
     for (std::size_t p = 0; p < points.count(); ++p) {
         initial_mass += points.mass[p];
+        if (!points.mechanical) continue;
         initial_momentum += points.mass[p] * points.velocity[p];
         initial_kinetic += 0.5 * points.mass[p] * points.velocity[p].squaredNorm();
     }

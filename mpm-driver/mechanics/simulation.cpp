@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -14,13 +15,15 @@ namespace talik::driver {
 
 Simulation::Simulation(const Scene& scene, Laws laws)
     : scene_(scene), laws_(std::move(laws)),
-      grid_(scene.domain.origin, scene.domain.size, scene.domain.cell, scene.domain.thickness),
-      points_(seed_points(scene.bodies, grid_)), supports_(grid_, points_.count()) {
+      grid_(scene.domain.origin, scene.domain.size, scene.domain.cell, scene.domain.thickness, scene.mechanics()),
+      points_(seed_points(scene.bodies, grid_, scene.mechanics())), supports_(grid_, points_.count()) {
     require(!scene_.stages.empty(), "the scene has no stage", "add a [[stage]] with a duration");
     for (const BodySpec& body : scene_.bodies) half_size_.push_back(point_half_size(body, grid_.cell()));
     for (const WallSpec& wall : scene_.walls) walls_.emplace_back(wall, grid_);
     if (scene_.domain.volume_strain == "cell") cell_means_.emplace(grid_, points_.count());
-    begin_laws();
+    supports_.update(grid_, points_, half_size_);
+    if (scene_.heat) heat_ = std::make_unique<HeatSolver>(scene_, grid_, supports_, half_size_, points_);
+    if (mechanics()) begin_laws();
     ledger_.open(points_);
     build_schedule();
     enter_stage();
@@ -28,7 +31,9 @@ Simulation::Simulation(const Scene& scene, Laws laws)
 
 // The table of contents of a step.
 void Simulation::build_schedule() {
-    schedule_.add("shape functions", [this] { supports_.update(grid_, points_, half_size_); });
+    if (mechanics()) schedule_.add("shape functions", [this] { supports_.update(grid_, points_, half_size_); });
+    if (heat_) schedule_.add("heat", [this] { advance_heat(); });
+    if (!mechanics()) return;
     schedule_.add("points to grid", [this] { points_to_grid(points_, supports_, grid_); });
     if (cell_means_) schedule_.add("points in cells", [this] { cell_means_->locate(grid_, points_); });
     schedule_.add("nodal forces", [this] {
@@ -147,22 +152,44 @@ double Simulation::end_time() const {
     return end;
 }
 
-StepLimit Simulation::stable_step() const { return mechanical_step_limit(grid_, points_, half_size_); }
+StepLimit Simulation::stable_step() const {
+    if (mechanics()) return mechanical_step_limit(grid_, points_, half_size_);
+    StepLimit limit;
+    limit.step = limit.surface_step = std::numeric_limits<double>::infinity();
+    return limit;
+}
+
+std::string Simulation::describe_limits() const {
+    std::string text = mechanics() ? describe(stable_step(), grid_.cell()) : "";
+    if (heat_) text += (text.empty() ? "heat " : "; heat ") + heat_->describe(heat_->limit(grid_, points_), grid_);
+    return text;
+}
 
 double Simulation::next_step() const {
     if (scene_.step.fixed) return *scene_.step.fixed;
     const double remaining = clock_.stage_start + present_stage().duration - clock_.time;
     const StepLimit limit = stable_step();
-    const double step = scene_.step.safety * std::min(limit.step, limit.surface_step);
+    const double step = mechanics() ? scene_.step.safety * std::min(limit.step, limit.surface_step) : heat_->limit(grid_, points_).automatic;
     return step > remaining * (1.0 - 1e-9) ? remaining : step;
 }
 
-void Simulation::step(double dt) {
+void Simulation::check_step(double dt) const {
+    const ExitCode code = steps_done() == 0 ? ExitCode::bad_input : ExitCode::failed;
+    if (!mechanics()) { // with mechanics, heat takes sub-steps of its own
+        const HeatLimit limit = heat_->limit(grid_, points_);
+        if (dt <= limit.step * (1.0 + 1e-9)) return;
+        fail(code, fmt::format("the step of {:.4g} s is beyond the largest stable one of heat, {}", dt, heat_->describe(limit, grid_)),
+             fmt::format("use step = \"auto\", or at most {:.3g} s", limit.automatic));
+    }
     const StepLimit limit = stable_step();
     if (!(dt <= limit.step))
-        fail(steps_done() == 0 ? ExitCode::bad_input : ExitCode::failed,
+        fail(code,
              fmt::format("the step of {:.4g} s is beyond the largest stable one, {}", dt, describe(limit, grid_.cell())),
              fmt::format("use step = \"auto\", or at most {:.3g} s", 0.5 * std::min(limit.step, limit.surface_step)));
+}
+
+void Simulation::step(double dt) {
+    check_step(dt);
     if (steps_done() == 0) ledger_.open(points_); // with what the caller may have set since
     dt_ = dt;
     gravity_ = gravity_at(clock_.time + 0.5 * dt);
@@ -170,6 +197,28 @@ void Simulation::step(double dt) {
     clock_.time += dt;
     clock_.step += 1.0;
     leave_stage_when_done();
+}
+
+// Heat goes on by sub-steps of its own where its limit is below the mechanical step; where it is above, once in as many
+// steps as fit into it, and at the end of a stage.
+void Simulation::advance_heat() {
+    clock_.pending_heat += dt_;
+    if (!mechanics()) {
+        heat_->advance(grid_, supports_, points_, clock_.pending_heat, 1, false);
+    } else {
+        const double allowed = heat_->limit(grid_, points_).automatic;
+        const double remaining = clock_.stage_start + present_stage().duration - clock_.time - dt_;
+        if (clock_.pending_heat + dt_ <= allowed && remaining > 0.5 * dt_) return;
+        const int substeps = std::max(1, static_cast<int>(std::ceil(clock_.pending_heat / allowed * (1.0 - 1e-9))));
+        heat_->advance(grid_, supports_, points_, clock_.pending_heat, substeps, true);
+    }
+    clock_.pending_heat = 0.0;
+}
+
+void Simulation::restored() {
+    if (mechanics()) return; // nodes are gathered anew in every step; what heat has published is a column of the state
+    supports_.update(grid_, points_, half_size_);
+    heat_->refresh(grid_, supports_, points_);
 }
 
 void Simulation::constrain_grid() {
@@ -216,8 +265,9 @@ std::vector<StateColumn> Simulation::state() {
     const auto append = [&](std::vector<StateColumn> more) { columns.insert(columns.end(), more.begin(), more.end()); };
     for (Wall& wall : walls_) append(wall.state());
     append(ledger_.state());
-    append({{"clock", "SI", "time s, steps, stage, start of the stage s, internal work J and gravity m/s2 at that start, steps at rest",
-             {"time", "step", "stage", "stage_start", "internal_work_at_stage_start", "gravity_x", "gravity_y", "steps_at_rest"}, &clock_.time, 1}});
+    if (heat_) append(heat_->state());
+    append({{"clock", "SI", "time s, steps, stage, start of the stage s, internal work J and gravity m/s2 at that start, steps at rest, heat yet to come s",
+             {"time", "step", "stage", "stage_start", "internal_work_at_stage_start", "gravity_x", "gravity_y", "steps_at_rest", "pending_heat"}, &clock_.time, 1}});
     return columns;
 }
 

@@ -17,6 +17,7 @@
 #include "mpm-driver/boundary/wall.hpp"
 #include "mpm-driver/constitutive/law.hpp"
 #include "mpm-driver/grid/grid.hpp"
+#include "mpm-driver/heat/heat_solver.hpp"
 #include "mpm-driver/mechanics/cell_means.hpp"
 #include "mpm-driver/mechanics/ledger.hpp"
 #include "mpm-driver/mechanics/schedule.hpp"
@@ -38,7 +39,8 @@ public:
 
     bool finished() const { return stage() >= static_cast<int>(scene_.stages.size()); }
     double next_step() const;          // s: the fixed one, or safety times the limit, cut at the end of a stage
-    StepLimit stable_step() const;     // Eq. (42), for the present state
+    StepLimit stable_step() const;     // Eq. (42), for the present state; without end where nothing moves
+    std::string describe_limits() const;
     void step(double dt);              // refuses a dt beyond the limit
 
     double time() const { return clock_.time; }                                       // s
@@ -53,6 +55,11 @@ public:
     const std::vector<Wall>& walls() const { return walls_; }
     const std::vector<std::string>& warnings() const { return warnings_; } // of stages that ended as they should not
     const Ledger& ledger() const { return ledger_; }
+    bool mechanics() const { return points_.mechanical; } // else heat alone
+    const HeatSolver* heat() const { return heat_.get(); } // null where the scene has none
+    HeatSolver* heat() { return heat_.get(); }
+    void set_temperature(const std::vector<double>& celsius) { heat_->set_temperature(grid_, supports_, points_, celsius); } // by point, before the first step
+    void restored(); // after the columns of state() were filled
     const Schedule& schedule() const { return schedule_; }
     const Laws& laws() const { return laws_; }
     Law& law(const std::string& name) { return *laws_.at(name); }
@@ -67,6 +74,7 @@ private:
         double time = 0.0, step = 0.0, stage = 0.0, stage_start = 0.0, internal_work_at_stage_start = 0.0;
         double gravity_x = 0.0, gravity_y = 0.0; // when the stage began, m/s^2: a ramp starts from it
         double steps_at_rest = 0.0;              // in a row, up to now
+        double pending_heat = 0.0;               // s, that heat has yet to go on by
     };
     struct LawPoints {
         Law* law;
@@ -74,6 +82,8 @@ private:
     };
 
     void build_schedule();
+    void advance_heat();
+    void check_step(double dt) const;
     void begin_laws();
     LawAnswer answer_columns();
     void enter_stage();
@@ -95,6 +105,7 @@ private:
     Points points_;
     std::vector<double> half_size_; // l_p by body, m
     Supports supports_;
+    std::unique_ptr<HeatSolver> heat_;
     std::optional<CellMeans> cell_means_; // where the scene asks for them
     std::vector<Wall> walls_;
     std::vector<LawPoints> law_points_;
