@@ -232,7 +232,7 @@ void Simulation::submit_to_laws() {
     const auto number = static_cast<std::uint64_t>(steps_done()) + 1;
     for (LawPoints& group : law_points_)
         group.law->submit({number, dt_, group.ids, points_.displacement_gradient_increment.data(), points_.volume.data(),
-                            points_.initial_volume.data()},
+                            points_.initial_volume.data(), points_.ice_saturation.empty() ? nullptr : points_.ice_saturation.data()},
                           answer_columns());
 }
 
