@@ -48,6 +48,16 @@ double HeatSolver::balance_error(const Points& points) const {
     return scale > 0.0 ? std::abs(content(points) - books_.initial() - books_.entered()) / scale : 0.0;
 }
 
+std::pair<double, double> HeatSolver::extremes() const {
+    double least = 1e300, most = -1e300;
+    for (std::size_t node = 0; node < nodes_; ++node) {
+        if (!(volume_[node] > 0.0)) continue;
+        least = std::min(least, temperature_[node]);
+        most = std::max(most, temperature_[node]);
+    }
+    return {least, most};
+}
+
 double HeatSolver::water_volume(const Points& points) const {
     return ordered_sums<1>(points.count(), [&](std::size_t p, std::array<double, 1>& sum) {
         const ThermalMaterial& material = material_of(points, p);
@@ -72,6 +82,12 @@ std::vector<std::string> HeatSolver::warnings() const {
 
 std::vector<StateColumn> HeatSolver::state() {
     std::vector<StateColumn> columns = books_.state();
+    if (!memory_.empty()) {
+        columns.push_back({"heat/memory", "J/m3", "enthalpy of the nodes less what their points map to it", {""}, memory_.data(), memory_.size()});
+        columns.push_back({"heat/place", "m", "of the points when that was made", {"x", "y"}, place_.front().data(), place_.size()});
+    } else if (enthalpy_form_) {
+        columns.push_back({"heat/node_enthalpy", "J/m3", "of nodes whose points rest", {""}, enthalpy_.data(), enthalpy_.size()});
+    }
     if (!remapped_.empty()) columns.push_back({"heat/remapped_temperature", "C", "of the capacity form", {""}, remapped_.data(), remapped_.size()});
     columns.push_back({"heat/clock", "SI", "time s, steps", {"time", "steps"}, &clock_.time, 1});
     return columns;

@@ -36,6 +36,11 @@ HeatSolver::HeatSolver(const Scene& scene, const Grid& grid, const Supports& sup
     for (auto* column : {&share_, &material_enthalpy_, &potential_, &frozen_, &change_}) column->assign(m * nodes_, 0.0);
     state_.assign(nodes_, {});
     later_.reserve(nodes_);
+    if (enthalpy_form_ && points.mechanical) {
+        memory_.assign(nodes_, 0.0);
+        place_ = points.position;
+        excess_.assign(n, 0.0);
+    }
     ensure(m <= most_materials);
     flow_.assign(n, Vector::Zero());
     if (!enthalpy_form_) remapped_.assign(n, 0.0);
@@ -67,31 +72,29 @@ void HeatSolver::set_temperature(const Grid& grid, const Supports& supports, Poi
     double size = 0.0; // the scale of the balance: also what a cooling or warming by the whole span would move
     for (std::size_t p = 0; p < points.count(); ++p) size += std::abs(points.enthalpy[p]);
     content_scale_ = size;
-    refresh(grid, supports, points);
+    nodes_from_points(supports, points);
+    show(grid, supports, points);
 }
 
-void HeatSolver::refresh(const Grid& grid, const Supports& supports, Points& points) {
-    const std::vector<double> kept_temperature = points.temperature;
-    nodes_from_points(supports, points);
+void HeatSolver::restored(const Grid& grid, const Supports& supports, Points& points) {
+    if (!enthalpy_form_) nodes_from_points(supports, points);
+    show(grid, supports, points);
+}
+
+void HeatSolver::show(const Grid& grid, const Supports& supports, Points& points) {
     invert_nodes();
     held_.update(grid, volume_, spec_.time_scale * clock_.time, true);
     hold_temperatures(clock_.time, clock_.time);
     publish(supports, points);
-    if (!enthalpy_form_) points.temperature = kept_temperature;
 }
 
 void HeatSolver::advance(const Grid& grid, const Supports& supports, Points& points, double dt, int substeps, bool moved) {
-    if (moved) { // else the nodes are as the last sub-step left them
-        nodes_from_points(supports, points);
-        invert_nodes();
-    }
-    if (moved && enthalpy_form_) {
-        limit_to_neighbours(supports, points);
-        nodes_from_points(supports, points);
-        invert_nodes();
-    }
+    if (moved) moved_nodes_from_points(grid, supports, points);
     held_.update(grid, volume_, spec_.time_scale * clock_.time, moved);
+    if (enthalpy_form_) std::fill(change_.begin(), change_.end(), 0.0);
     for (int k = 0; k < substeps; ++k) substep(grid, supports, points, dt / substeps);
+    if (enthalpy_form_) points_from_nodes(supports, points);
+    if (enthalpy_form_ && moved) remember(supports, points);
     hold_temperatures(clock_.time, clock_.time);
     publish(supports, points);
 }
@@ -105,14 +108,13 @@ void HeatSolver::substep(const Grid& grid, const Supports& supports, Points& poi
     nodal_power(supports, begin, end);
     rates(grid, dt);
     if (enthalpy_form_) {
-        change_of_materials(dt);
-        points_from_nodes(supports, points, dt);
+        advance_nodes(dt);
     } else {
         temperatures_from_nodes(supports, points, dt);
+        nodes_from_points(supports, points);
     }
     clock_.time = end;
     clock_.steps += 1.0;
-    nodes_from_points(supports, points);
     invert_nodes();
     watch_range();
 }
@@ -289,7 +291,7 @@ double HeatSolver::enthalpy_at_held(std::size_t node) const {
 
 // What each material at a node takes of the node's heat: all of it where it is alone; where several meet, so that they
 // stay at one temperature (else wet ground that thaws would hand its latent heat to the dry rock beside it).
-void HeatSolver::change_of_materials(double dt) {
+void HeatSolver::advance_nodes(double dt) {
     const std::size_t count = materials_.size();
     each(nodes_, [&](std::size_t node) {
         if (!(volume_[node] > 0.0)) return;
@@ -299,19 +301,51 @@ void HeatSolver::change_of_materials(double dt) {
         for (std::size_t m = 0; m < count; ++m) {
             shares[m] = share_[at(m, node)];
             present += shares[m] > 0.0;
-            change_[at(m, node)] = rise;
         }
-        if (present < 2) return;
-        const ThermalState next = state_of_mixture(materials_, shares, enthalpy_[node] + rise);
+        enthalpy_[node] += rise;
+        if (present < 2) {
+            for (std::size_t m = 0; m < count; ++m) change_[at(m, node)] += rise;
+            return;
+        }
+        const ThermalState next = state_of_mixture(materials_, shares, enthalpy_[node]);
         double missing = rise;
-        for (std::size_t m = 0; m < count; ++m)
-            if (shares[m] > 0.0) missing -= shares[m] * (change_[at(m, node)] = materials_[m].enthalpy(next) - material_enthalpy_[at(m, node)]);
+        for (std::size_t m = 0; m < count; ++m) {
+            if (!(shares[m] > 0.0)) continue;
+            const double own = materials_[m].enthalpy(next) - material_enthalpy_[at(m, node)];
+            change_[at(m, node)] += own;
+            missing -= shares[m] * own;
+        }
         for (std::size_t m = 0; m < count; ++m) change_[at(m, node)] += missing; // rounding
     });
 }
 
-void HeatSolver::points_from_nodes(const Supports& supports, Points& points, double dt) {
-    static_cast<void>(dt);
+// Nodes of points that may have moved: mapped anew, cut to their neighbours' range, and what the nodes remember of the
+// last step added, less where points have moved on: nothing is left of it after a quarter of a cell.
+void HeatSolver::moved_nodes_from_points(const Grid& grid, const Supports& supports, Points& points) {
+    nodes_from_points(supports, points);
+    invert_nodes();
+    if (!enthalpy_form_) return;
+    limit_to_neighbours(supports, points);
+    nodes_from_points(supports, points);
+    each(nodes_, [&](std::size_t node) {
+        if (!(volume_[node] > 0.0)) return;
+        double farthest = 0.0; // m
+        supports.each_point_of(node, [&](std::uint32_t p, double, const Vector&) { farthest = std::max(farthest, (points.position[p] - place_[p]).norm()); });
+        enthalpy_[node] += std::max(0.0, 1.0 - 4.0 * farthest / grid.cell()) * memory_[node];
+    });
+    invert_nodes();
+}
+
+void HeatSolver::remember(const Supports& supports, const Points& points) {
+    each(nodes_, [&](std::size_t node) {
+        double heat = 0.0;
+        supports.each_point_of(node, [&](std::uint32_t p, double phi, const Vector&) { heat += phi * points.enthalpy[p]; });
+        memory_[node] = volume_[node] > 0.0 ? enthalpy_[node] - heat / volume_[node] : 0.0;
+    });
+    place_ = points.position;
+}
+
+void HeatSolver::points_from_nodes(const Supports& supports, Points& points) {
     each(points.count(), [&](std::size_t p) {
         const std::size_t m = material_of_body_[static_cast<std::size_t>(points.body[p])];
         double rise = 0.0; // J/m^3
@@ -327,7 +361,6 @@ void HeatSolver::points_from_nodes(const Supports& supports, Points& points, dou
 // and cold. So a moving point's enthalpy is cut to the range of its nodes', and what is cut off goes to the nodes and back
 // to all their points: nothing is lost, and a field that varies smoothly is not touched.
 void HeatSolver::limit_to_neighbours(const Supports& supports, Points& points) {
-    if (excess_.empty()) excess_.assign(points.count(), 0.0);
     each(points.count(), [&](std::size_t p) {
         const std::size_t m = material_of_body_[static_cast<std::size_t>(points.body[p])];
         double least = 1e300, most = -1e300;

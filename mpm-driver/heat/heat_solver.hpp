@@ -5,7 +5,11 @@
 //   nodes from points    H_I = sum phi_Ip E_p / W_I,  W_I = sum phi_Ip V_p^0;  temperature and ice by exact inversion of H_I
 //   heat flow            q_p = -A grad Theta, Theta the integral of the conductivity over temperature
 //   nodal power          Q_I = sum V_p grad phi_Ip . q_p + sources + fluxes
-//   points from nodes    E_p += dt V_p^0 sum phi_Ip Q_I / W_I: what nodes receive, points receive, to rounding
+//   nodes                H_I += dt Q_I / W_I
+//   points from nodes    E_p += V_p^0 sum phi_Ip (change of H_I): what nodes receive, points receive, to rounding
+// While points rest the nodes keep their H_I from step to step. Mapped anew from the points in every step it would be smeared
+// over the neighbours (a freezing front then lags by an eighth of a cell for good). The difference between the two is
+// remembered where points move, and forgotten as they move on. Energy is what the points carry, whatever the nodes remember.
 // Held nodes have their temperature for the gradient; the rate of their enthalpy is their free neighbours', and the
 // difference to Q_I is the heat of the wall, which is booked.
 //
@@ -45,7 +49,7 @@ public:
 
     // On by dt, in equal sub-steps. moved: points may have moved since the last call.
     void advance(const Grid& grid, const Supports& supports, Points& points, double dt, int substeps, bool moved);
-    void refresh(const Grid& grid, const Supports& supports, Points& points); // after a restart
+    void restored(const Grid& grid, const Supports& supports, Points& points); // after state() was filled, of points at rest
 
     HeatLimit limit(const Grid& grid, const Points& points) const;
     std::string describe(const HeatLimit& limit, const Grid& grid) const;
@@ -63,6 +67,7 @@ public:
 
     double content(const Points& points) const;          // J, sum of the points' enthalpy
     double balance_error(const Points& points) const;    // relative to the heat held at the start and moved since
+    std::pair<double, double> extremes() const;          // least and most temperature of the nodes, held ones included, degrees C
     double water_volume(const Points& points) const;     // m^3
     double ice_volume(const Points& points) const;       // m^3
     double span() const { return highest_ - lowest_; }   // K, of initial and held temperatures
@@ -80,7 +85,10 @@ private:
         TimeValue value;
         std::vector<double> factor; // by point: 0 where it does not act
     };
+    void show(const Grid& grid, const Supports& supports, Points& points);
     void nodes_from_points(const Supports& supports, const Points& points);
+    void moved_nodes_from_points(const Grid& grid, const Supports& supports, Points& points);
+    void remember(const Supports& supports, const Points& points);
     void invert_nodes();
     void invert_node(std::size_t node);
     void hold_temperatures(double begin, double end);
@@ -88,8 +96,8 @@ private:
     void source_power(const Points& points, double begin, double end);
     void nodal_power(const Supports& supports, double begin, double end);
     void rates(const Grid& grid, double dt);
-    void change_of_materials(double dt);
-    void points_from_nodes(const Supports& supports, Points& points, double dt);
+    void advance_nodes(double dt);
+    void points_from_nodes(const Supports& supports, Points& points);
     void limit_to_neighbours(const Supports& supports, Points& points);
     void watch_range();
     void publish(const Supports& supports, Points& points);
@@ -128,8 +136,10 @@ private:
     std::vector<double> material_enthalpy_, potential_, frozen_; // by material: J/m^3, W/m, -
     std::vector<double> power_;                  // Q_I, W
     std::vector<double> rate_;                   // of H_I, W/m^3 (capacity form: of T_I, K/s)
-    std::vector<double> change_;                 // of H by material in this step, J/m^3
+    std::vector<double> change_;                 // of H by material since the points were last brought up to date, J/m^3
+    std::vector<double> memory_;                 // H_I less what its points map to it, J/m^3: where points may move
     // Points.
+    std::vector<Vector> place_;                  // where memory_ was made, m
     std::vector<Vector> flow_;                   // V_p q_p, W m
     std::vector<double> source_;                 // V_p s_p, W
     std::vector<double> excess_;                 // J, cut off by the neighbours' range

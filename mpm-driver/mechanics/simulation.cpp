@@ -218,7 +218,7 @@ void Simulation::advance_heat() {
 void Simulation::restored() {
     if (mechanics()) return; // nodes are gathered anew in every step; what heat has published is a column of the state
     supports_.update(grid_, points_, half_size_);
-    heat_->refresh(grid_, supports_, points_);
+    heat_->restored(grid_, supports_, points_);
 }
 
 void Simulation::constrain_grid() {
