@@ -69,6 +69,11 @@ struct StageSpec {
     std::vector<std::string> activates_in; // names of bodies; empty = in all
 };
 
+// Swelling of ground whose pore water freezes.
+struct PhaseChangeStrainSpec {
+    double expansion = 0.09; // of water on freezing, relative, -
+};
+
 struct StepSpec {
     std::optional<double> fixed; // s; empty = "auto"
     double safety = 0.5;         // fraction of the limit (42) taken by "auto"
@@ -88,6 +93,7 @@ struct Scene {
     std::optional<ElasticSpec> elastic;
     std::optional<RveSpec> rve;
     std::optional<HeatSpec> heat;
+    std::optional<PhaseChangeStrainSpec> phase_change_strain;
     std::vector<WallSpec> walls;
     double confining_pressure = 0.0; // Pa on all free sides, compression positive; follows the material exactly
     StepSpec step;

@@ -106,6 +106,12 @@ void check_k0(const Scene& scene, const Place& at) {
     if (first.gravity_ramp > 0.0) item(at, "stage", 0).fault("gravity_ramp", "is given beside packings that are at the stress of full gravity already", "leave it out, or leave out [rve.packing.k0]");
 }
 
+void check_phase_change_strain(const Scene& scene, const Place& at) {
+    if (!scene.phase_change_strain) return;
+    if (!scene.heat) at.fault("phase_change_strain", "is given in a scene without heat", "add the table [heat], or leave it out");
+    if (!scene.mechanics()) at.fault("phase_change_strain", "is given in a scene where nothing moves", "give the bodies a law, or leave it out");
+}
+
 } // namespace
 
 std::vector<DampingFault> damping_faults(const StageSpec& stage, double step) {
@@ -125,6 +131,7 @@ void check_whole_scene(const Scene& scene, const Place& at) {
     check_walls(scene, at);
     check_stages(scene, at);
     check_k0(scene, at);
+    check_phase_change_strain(scene, at);
 }
 
 } // namespace talik::driver

@@ -21,6 +21,7 @@ const Table<Scene>& scene_table() {
             .optional_table<ElasticSpec>("elastic", &Scene::elastic, elastic_table())
             .optional_table<RveSpec>("rve", &Scene::rve, rve_table())
             .optional_table<HeatSpec>("heat", &Scene::heat, heat_table())
+            .optional_table<PhaseChangeStrainSpec>("phase_change_strain", &Scene::phase_change_strain, phase_change_strain_table())
             .tables("wall", &Scene::walls, wall_table())
             .table<StepSpec>("step", &Scene::step, step_table())
             .tables("stage", &Scene::stages, stage_table(), required)

@@ -101,6 +101,13 @@ Table<ElasticSpec> elastic_table() {
     return table;
 }
 
+Table<PhaseChangeStrainSpec> phase_change_strain_table() {
+    using P = PhaseChangeStrainSpec;
+    Table<P> table("Swelling of ground whose pore water freezes. RVEs and the elastic law are asked for the strain without it.");
+    table.number("expansion", &P::expansion, {.least = 0.0, .most = 0.5}, "of water on freezing, relative: ice takes 9 % more room; air in the pores gives way first");
+    return table;
+}
+
 Table<WallSpec> wall_table() {
     using W = WallSpec;
     Table<W> table("Rigid, flat walls along an axis. They may move and stand between nodes.");

@@ -9,6 +9,7 @@ scene::Table<DomainSpec> domain_table();
 scene::Table<BodySpec> body_table();
 scene::Table<ElasticSpec> elastic_table();
 scene::Table<HeatSpec> heat_table();
+scene::Table<PhaseChangeStrainSpec> phase_change_strain_table();
 scene::Table<WallSpec> wall_table();
 scene::Table<StageSpec> stage_table();
 scene::Table<StepSpec> step_table();

@@ -23,6 +23,7 @@ Simulation::Simulation(const Scene& scene, Laws laws)
     if (scene_.domain.volume_strain == "cell") cell_means_.emplace(grid_, points_.count());
     supports_.update(grid_, points_, half_size_);
     if (scene_.heat) heat_ = std::make_unique<HeatSolver>(scene_, grid_, supports_, half_size_, points_);
+    if (scene_.phase_change_strain) phase_change_strain_.emplace(scene_, points_);
     if (mechanics()) begin_laws();
     ledger_.open(points_);
     build_schedule();
@@ -47,6 +48,7 @@ void Simulation::build_schedule() {
     schedule_.add("walls", [this] { constrain_grid(); });
     schedule_.add("strain increments", [this] { strain_increments(grid_, supports_, dt_, points_); });
     if (cell_means_) schedule_.add("volume strain of cells", [this] { cell_means_->average_volume_strain(points_); });
+    if (phase_change_strain_) schedule_.add("strain of phase change", [this] { phase_change_strain_->subtract(points_); });
     schedule_.add("ask laws", [this] { submit_to_laws(); });
     schedule_.add("grid to points", [this] { move_points(); });
     schedule_.add("wait for laws", [this] { collect_from_laws(); });
@@ -216,6 +218,7 @@ void Simulation::advance_heat() {
 }
 
 void Simulation::restored() {
+    if (phase_change_strain_) phase_change_strain_->update_volumes(points_);
     if (mechanics()) return; // nodes are gathered anew in every step; what heat has published is a column of the state
     supports_.update(grid_, points_, half_size_);
     heat_->restored(grid_, supports_, points_);
@@ -229,11 +232,19 @@ void Simulation::constrain_grid() {
 
 void Simulation::submit_to_laws() {
     point_work_ = 0.5 * stress_power(points_); // with the stress and volume at the start of the step
+    law_work_ = 0.5 * law_power();
     const auto number = static_cast<std::uint64_t>(steps_done()) + 1;
+    const auto& increments = phase_change_strain_ ? phase_change_strain_->increments() : points_.displacement_gradient_increment;
+    const auto& volumes = phase_change_strain_ ? phase_change_strain_->volumes() : points_.volume;
     for (LawPoints& group : law_points_)
-        group.law->submit({number, dt_, group.ids, points_.displacement_gradient_increment.data(), points_.volume.data(),
-                            points_.initial_volume.data(), points_.ice_saturation.empty() ? nullptr : points_.ice_saturation.data()},
+        group.law->submit({number, dt_, group.ids, increments.data(), volumes.data(), points_.initial_volume.data(),
+                            points_.ice_saturation.empty() ? nullptr : points_.ice_saturation.data()},
                           answer_columns());
+}
+
+// Of what the laws are asked for; 0 where that is what the points strain by.
+double Simulation::law_power() const {
+    return phase_change_strain_ ? stress_power(points_, phase_change_strain_->increments(), phase_change_strain_->volumes()) : 0.0;
 }
 
 void Simulation::move_points() {
@@ -256,6 +267,11 @@ void Simulation::collect_from_laws() {
 
 void Simulation::book_step() {
     point_work_ += 0.5 * stress_power(points_); // and with those at its end: trapezoidal, as the grid's sum over steps is
+    if (phase_change_strain_) {
+        phase_change_strain_->update_volumes(points_);
+        law_work_ += 0.5 * law_power();
+        ledger_.phase_change += point_work_ - law_work_;
+    }
     ledger_.book_grid(grid_, dt_, scene_.confining_pressure, gravity_, walls_, prescribed_.has_value());
     ledger_.book_points(points_, point_books_, point_work_);
 }
@@ -266,6 +282,7 @@ std::vector<StateColumn> Simulation::state() {
     for (Wall& wall : walls_) append(wall.state());
     append(ledger_.state());
     if (heat_) append(heat_->state());
+    if (phase_change_strain_) append(phase_change_strain_->state());
     append({{"clock", "SI", "time s, steps, stage, start of the stage s, internal work J and gravity m/s2 at that start, steps at rest, heat yet to come s",
              {"time", "step", "stage", "stage_start", "internal_work_at_stage_start", "gravity_x", "gravity_y", "steps_at_rest", "pending_heat"}, &clock_.time, 1}});
     return columns;

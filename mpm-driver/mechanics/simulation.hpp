@@ -20,6 +20,7 @@
 #include "mpm-driver/heat/heat_solver.hpp"
 #include "mpm-driver/mechanics/cell_means.hpp"
 #include "mpm-driver/mechanics/ledger.hpp"
+#include "mpm-driver/mechanics/phase_change_strain.hpp"
 #include "mpm-driver/mechanics/schedule.hpp"
 #include "mpm-driver/mechanics/step_limit.hpp"
 #include "mpm-driver/mechanics/supports.hpp"
@@ -97,6 +98,7 @@ private:
     void submit_to_laws();
     void move_points();
     void collect_from_laws();
+    double law_power() const;
     void book_step();
 
     Scene scene_;
@@ -107,6 +109,7 @@ private:
     Supports supports_;
     std::unique_ptr<HeatSolver> heat_;
     std::optional<CellMeans> cell_means_; // where the scene asks for them
+    std::optional<PhaseChangeStrain> phase_change_strain_; // likewise
     std::vector<Wall> walls_;
     std::vector<LawPoints> law_points_;
     std::optional<PrescribedField> prescribed_;
@@ -119,6 +122,7 @@ private:
     double dt_ = 0.0;         // s
     Vector gravity_ = Vector::Zero(); // m/s^2, at the middle of the step
     double point_work_ = 0.0; // J
+    double law_work_ = 0.0;   // J, of it what the laws were asked for; only with phase_change_strain_
     PointUpdateBooks point_books_;
 };
 

@@ -97,6 +97,7 @@ std::vector<HistoryValue> history_values(const Simulation& simulation) {
         {"numerical_loss", ledger.numerical_loss()},
     };
     out.insert(out.end(), rest.begin(), rest.end());
+    if (simulation.scene().phase_change_strain) out.push_back({"energy_phase_change_J", ledger.phase_change});
     if (simulation.heat()) add_heat(simulation, out);
     return out;
 }

@@ -50,6 +50,7 @@ Effects effects_of(const Scene& scene) {
     const bool freezes = scene.heat && std::any_of(scene.heat->materials.begin(), scene.heat->materials.end(), [](const ThermalMaterialSpec& m) { return m.curve != "none"; });
     say("heat", scene.heat.has_value(), scene.heat ? fmt::format("[heat] is in the scene ({} form)", scene.heat->formulation) : "", "no [heat] in the scene");
     say("phase change", freezes, "a material has a freezing curve", "no material has a freezing curve");
+    say("strain of phase change", scene.phase_change_strain.has_value(), "[phase_change_strain] is in the scene", "no [phase_change_strain] in the scene");
     say("heat runs on a clock of its own", scene.heat && scene.heat->time_scale != 1.0, scene.heat ? fmt::format("heat.time_scale is {:g}", scene.heat->time_scale) : "", "heat.time_scale is 1, or no heat");
     return effects;
 }
@@ -90,6 +91,7 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
                         {"stored", ledger.law_stored}, {"dissipated_in_material", ledger.law_dissipation}, {"pic", ledger.pic},
                         {"transfer", ledger.transfer}, {"strain_transfer", ledger.strain_transfer}, {"wall_impact", ledger.wall_impact}, {"grid_damping", ledger.grid_damping},
                         {"particle_damping", ledger.particle_damping}, {"wall_friction", ledger.wall_friction}};
+    if (scene.phase_change_strain) json["energy_J"]["phase_change"] = ledger.phase_change;
     if (const HeatSolver* heat = simulation.heat()) {
         const Points& points = simulation.points();
         const HeatLimit limit = heat->limit(simulation.grid(), points);
