@@ -42,7 +42,7 @@ Scene freezing_block() {
 
 void run(Simulation& simulation) {
     while (!simulation.finished()) take_steps(simulation, 1);
-    for (const double saturation : simulation.points().ice_saturation) REQUIRE(saturation == 1.0);
+    for (const double saturation : simulation.points().ice_saturation) REQUIRE(saturation > 1.0 - 1e-9); // rounding of the map to the nodes
 }
 
 const double swelling = std::log(1.0 + porosity * expansion); // eps_v of all water frozen
