@@ -88,7 +88,7 @@ std::vector<StateColumn> HeatSolver::state() {
     } else if (enthalpy_form_) {
         columns.push_back({"heat/node_enthalpy", "J/m3", "of nodes whose points rest", {""}, enthalpy_.data(), enthalpy_.size()});
     }
-    if (!remapped_.empty()) columns.push_back({"heat/remapped_temperature", "C", "of the capacity form", {""}, remapped_.data(), remapped_.size()});
+    if (!enthalpy_form_) columns.push_back({"heat/node_state", "C", "temperature of nodes whose points rest", {"temperature", "frozen"}, &state_.front().temperature, state_.size()});
     columns.push_back({"heat/clock", "SI", "time s, steps", {"time", "steps"}, &clock_.time, 1});
     return columns;
 }

@@ -43,7 +43,6 @@ HeatSolver::HeatSolver(const Scene& scene, const Grid& grid, const Supports& sup
     }
     ensure(m <= most_materials);
     flow_.assign(n, Vector::Zero());
-    if (!enthalpy_form_) remapped_.assign(n, 0.0);
     for (auto* column : {&points.enthalpy, &points.temperature, &points.ice_saturation, &points.ice_fraction}) column->assign(n, 0.0);
 
     for (const HeatSourceSpec& source : spec_.sources) {
@@ -64,7 +63,6 @@ void HeatSolver::set_temperature(const Grid& grid, const Supports& supports, Poi
     highest_ = std::max(held_.most(), *std::max_element(temperature.begin(), temperature.end()));
     for (std::size_t p = 0; p < points.count(); ++p) {
         points.temperature[p] = temperature[p];
-        if (!enthalpy_form_) remapped_[p] = temperature[p];
         points.enthalpy[p] = points.initial_volume[p] * material_of(points, p).enthalpy({temperature[p], frozen_at_start_[static_cast<std::size_t>(points.body[p])]}); // J
     }
     clock_ = {};
@@ -77,7 +75,6 @@ void HeatSolver::set_temperature(const Grid& grid, const Supports& supports, Poi
 }
 
 void HeatSolver::restored(const Grid& grid, const Supports& supports, Points& points) {
-    if (!enthalpy_form_) nodes_from_points(supports, points);
     show(grid, supports, points);
 }
 
@@ -91,9 +88,9 @@ void HeatSolver::show(const Grid& grid, const Supports& supports, Points& points
 void HeatSolver::advance(const Grid& grid, const Supports& supports, Points& points, double dt, int substeps, bool moved) {
     if (moved) moved_nodes_from_points(grid, supports, points);
     held_.update(grid, volume_, spec_.time_scale * clock_.time, moved);
-    if (enthalpy_form_) std::fill(change_.begin(), change_.end(), 0.0);
+    std::fill(change_.begin(), change_.end(), 0.0);
     for (int k = 0; k < substeps; ++k) substep(grid, supports, points, dt / substeps);
-    if (enthalpy_form_) points_from_nodes(supports, points);
+    enthalpy_form_ ? points_from_nodes(supports, points) : temperatures_from_nodes(supports, points);
     if (enthalpy_form_ && moved) remember(supports, points);
     hold_temperatures(clock_.time, clock_.time);
     publish(supports, points);
@@ -106,12 +103,12 @@ void HeatSolver::substep(const Grid& grid, const Supports& supports, Points& poi
     heat_flow(supports, points);
     source_power(points, begin, end);
     nodal_power(supports, begin, end);
+    if (!enthalpy_form_) nodal_capacities();
     rates(grid, dt);
     if (enthalpy_form_) {
         advance_nodes(dt);
     } else {
-        temperatures_from_nodes(supports, points, dt);
-        nodes_from_points(supports, points);
+        advance_temperatures(dt);
     }
     clock_.time = end;
     clock_.steps += 1.0;
@@ -325,7 +322,7 @@ void HeatSolver::moved_nodes_from_points(const Grid& grid, const Supports& suppo
     nodes_from_points(supports, points);
     invert_nodes();
     if (!enthalpy_form_) return;
-    limit_to_neighbours(supports, points);
+    limit_to_neighbours(supports, points, grid.cell());
     nodes_from_points(supports, points);
     each(nodes_, [&](std::size_t node) {
         if (!(volume_[node] > 0.0)) return;
@@ -360,7 +357,7 @@ void HeatSolver::points_from_nodes(const Supports& supports, Points& points) {
 // was thawed before holds too much and its neighbour too little, in balance. When they move apart that would show as heat
 // and cold. So a moving point's enthalpy is cut to the range of its nodes', and what is cut off goes to the nodes and back
 // to all their points: nothing is lost, and a field that varies smoothly is not touched.
-void HeatSolver::limit_to_neighbours(const Supports& supports, Points& points) {
+void HeatSolver::limit_to_neighbours(const Supports& supports, Points& points, double cell) {
     each(points.count(), [&](std::size_t p) {
         const std::size_t m = material_of_body_[static_cast<std::size_t>(points.body[p])];
         double least = 1e300, most = -1e300;
@@ -370,7 +367,8 @@ void HeatSolver::limit_to_neighbours(const Supports& supports, Points& points) {
             most = std::max(most, material_enthalpy_[at(m, node)]);
         });
         const double volume = points.initial_volume[p], density = points.enthalpy[p] / volume;
-        excess_[p] = volume * (density - std::clamp(density, least, most));
+        const bool moved = (points.position[p] - place_[p]).norm() > 1e-9 * cell; // points at rest are left alone
+        excess_[p] = moved ? volume * (density - std::clamp(density, least, most)) : 0.0;
     });
     each(nodes_, [&](std::size_t node) {
         double heat = 0.0;

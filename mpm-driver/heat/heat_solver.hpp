@@ -13,8 +13,8 @@
 // Held nodes have their temperature for the gradient; the rate of their enthalpy is their free neighbours', and the
 // difference to Q_I is the heat of the wall, which is booked.
 //
-// Capacity form (the paper's). Points carry temperature; the nodes' capacity is C(T) = rho c + latent, Eq. (A2), at the
-// remapped temperature of Eq. (37), which is never the state.
+// Capacity form (the paper's). Points carry temperature; the nodes' capacity is C(T) = rho c + latent, Eq. (A2), at their
+// old temperature. The remapped temperature of Eq. (37) is output, never the state.
 #include <functional>
 #include <optional>
 #include <string>
@@ -98,7 +98,7 @@ private:
     void rates(const Grid& grid, double dt);
     void advance_nodes(double dt);
     void points_from_nodes(const Supports& supports, Points& points);
-    void limit_to_neighbours(const Supports& supports, Points& points);
+    void limit_to_neighbours(const Supports& supports, Points& points, double cell);
     void watch_range();
     void publish(const Supports& supports, Points& points);
     double rate_of_neighbours(int node, int right, int up, bool held) const; // NaN where there is none
@@ -107,7 +107,9 @@ private:
 
     // The paper's form, in capacity_form.cpp.
     void temperatures_to_nodes(const Supports& supports, const Points& points);
-    void temperatures_from_nodes(const Supports& supports, Points& points, double dt);
+    void nodal_capacities();
+    void advance_temperatures(double dt);
+    void temperatures_from_nodes(const Supports& supports, Points& points);
 
     std::size_t at(std::size_t material, std::size_t node) const { return material * nodes_ + node; }
 
@@ -143,7 +145,6 @@ private:
     std::vector<Vector> flow_;                   // V_p q_p, W m
     std::vector<double> source_;                 // V_p s_p, W
     std::vector<double> excess_;                 // J, cut off by the neighbours' range
-    std::vector<double> remapped_;               // capacity form: Eq. (37), degrees C
     std::vector<std::pair<HeldNodes::Held, double>> later_; // held nodes of a second row, and their rate
     bool any_source_ = false;
 };

@@ -157,7 +157,7 @@ double ThermalMaterial::conductivity(double f, double stretch) const {
 }
 
 double ThermalMaterial::conductivity_at(double temperature) const {
-    if (given_temperature_.empty()) return conductivity(temperature < curve_.top() ? curve_.fraction(temperature) : curve_.jump());
+    if (given_temperature_.empty()) return conductivity(curve_.fraction(temperature)); // at the top itself: frozen
     const auto after = static_cast<std::size_t>(std::upper_bound(given_temperature_.begin(), given_temperature_.end(), temperature) - given_temperature_.begin());
     if (after == 0) return given_conductivity_.front();
     if (after == given_temperature_.size()) return given_conductivity_.back();
