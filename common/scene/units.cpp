@@ -33,6 +33,10 @@ constexpr std::array units = {
     Unit{"kg/m^3", density}, Unit{"kg/m3", density}, Unit{"g/cm^3", density, 3}, Unit{"t/m^3", density, 3},
     Unit{"1/s", rate}, Unit{"1/min", rate, 0, 1.0, 60.0}, Unit{"1/h", rate, 0, 1.0, 3600.0}, Unit{"%/s", rate, -2}, Unit{"%/min", rate, -2, 1.0, 60.0},
     Unit{"rad", angle}, Unit{"deg", angle, 0, 3.14159265358979323846, 180.0},
+    Unit{"C", temperature}, Unit{"degC", temperature}, Unit{"K", temperature_difference}, Unit{"mK", temperature_difference, -3},
+    Unit{"W/(m K)", conductivity}, Unit{"J/(kg K)", heat_capacity}, Unit{"kJ/(kg K)", heat_capacity, 3},
+    Unit{"J/kg", latent_heat}, Unit{"kJ/kg", latent_heat, 3}, Unit{"W/m^2", heat_flux}, Unit{"W/m2", heat_flux}, Unit{"mW/m^2", heat_flux, -3},
+    Unit{"W/m^3", power_density}, Unit{"W/m3", power_density}, Unit{"kW/m^3", power_density, 3},
 };
 
 std::string_view trimmed(std::string_view text) {
@@ -54,7 +58,8 @@ double scaled(const std::string& number, int exponent) {
 } // namespace
 
 std::string_view name_of(Dimension dimension) {
-    constexpr std::array names = {"number", "length", "time", "velocity", "acceleration", "pressure", "force", "stiffness", "density", "rate", "angle"};
+    constexpr std::array names = {"number", "length", "time", "velocity", "acceleration", "pressure", "force", "stiffness", "density", "rate", "angle",
+                                  "temperature", "temperature difference", "conductivity", "heat capacity", "latent heat", "heat flux", "power density"};
     return names[static_cast<std::size_t>(dimension)];
 }
 

@@ -6,7 +6,8 @@
 
 namespace talik::scene {
 
-enum class Dimension { none, length, time, velocity, acceleration, pressure, force, stiffness, density, rate, angle };
+enum class Dimension { none, length, time, velocity, acceleration, pressure, force, stiffness, density, rate, angle,
+                       temperature, temperature_difference, conductivity, heat_capacity, latent_heat, heat_flux, power_density };
 
 std::string_view name_of(Dimension);                    // "pressure"
 std::string one(Dimension);                             // "a pressure", "an angle"

@@ -11,6 +11,7 @@
 #include "mpm-driver/app/packings.hpp"
 #include "mpm-driver/app/scene_schema.hpp"
 #include "mpm-driver/constitutive/elastic.hpp"
+#include "mpm-driver/heat/heat_solver.hpp"
 #include "mpm-driver/mechanics/step_limit.hpp"
 #include "mpm-driver/output/summary.hpp"
 #include "mpm-driver/points/overburden.hpp"
@@ -56,7 +57,28 @@ void explain_effects(const Scene& scene) {
     for (const auto& effect : effects.off) row("off", effect);
 }
 
-void explain_steps(const Scene& scene, const Grid& grid, const Points& points, const std::vector<double>& half_size, const RveFacts& facts) {
+// Limit and clock of heat, beside those of the mechanics. step: the mechanical one, s; 0 where nothing moves.
+void explain_heat(const Scene& scene, const Grid& grid, Points& points, const std::vector<double>& half_size, double step) {
+    Supports supports(grid, points.count());
+    supports.update(grid, points, half_size);
+    const HeatSolver heat(scene, grid, supports, half_size, points);
+    const HeatLimit limit = heat.limit(grid, points);
+    row("heat limit (43)", heat.describe(limit, grid));
+    if (step <= 0.0) {
+        double duration = 0.0;
+        for (const StageSpec& stage : scene.stages) duration += stage.duration;
+        const double taken = scene.step.fixed.value_or(limit.automatic);
+        row("heat step", fmt::format("{:.3g} s{}: about {:.3g} steps", taken, taken > limit.step ? ": BEYOND THE LIMIT, the run will be refused" : "", std::ceil(duration / taken)));
+    } else if (limit.automatic < step) {
+        row("heat step", fmt::format("{:.0f} sub-steps within each mechanical step", std::ceil(step / limit.automatic)));
+    } else {
+        row("heat step", fmt::format("once in {:.0f} mechanical steps", std::max(1.0, std::floor(limit.automatic / step))));
+    }
+    for (const std::string& warning : heat.warnings()) row("warning", warning);
+}
+
+void explain_steps(const Scene& scene, const Grid& grid, Points& points, const std::vector<double>& half_size, const RveFacts& facts) {
+    if (!scene.mechanics()) return explain_heat(scene, grid, points, half_size, 0.0);
     const StepLimit limit = mechanical_step_limit(grid, points, half_size);
     if (!std::isfinite(limit.step) && !scene.step.fixed) {
         row("time steps", "not known before the start: these packings do not tell their stiffness (those of `rve-farm pack` do)");
@@ -69,6 +91,7 @@ void explain_steps(const Scene& scene, const Grid& grid, const Points& points, c
     double duration = 0.0;
     for (const StageSpec& stage : scene.stages) duration += stage.duration;
     const double steps = std::ceil(duration / step);
+    if (scene.heat) explain_heat(scene, grid, points, half_size, step);
     row("simulated time", fmt::format("{:.4g} s in {} stage(s), about {:.3g} mechanical steps", duration, scene.stages.size(), steps));
     if (!scene.rve) return;
     const RveParameters& p = scene.rve->parameters;
@@ -89,14 +112,14 @@ int explain(const std::string& scene_file, const std::vector<std::string>& set, 
     for (BodySpec& body : scene.bodies)
         if (body.law == "rve" && !body.density) body.density = bulk_density(packings, scene.rve->parameters.grain_density);
 
-    const Grid grid(scene.domain.origin, scene.domain.size, scene.domain.cell, scene.domain.thickness);
-    Points points = seed_points(scene.bodies, grid);
+    const Grid grid(scene.domain.origin, scene.domain.size, scene.domain.cell, scene.domain.thickness, scene.mechanics());
+    Points points = seed_points(scene.bodies, grid, scene.mechanics());
     std::vector<double> half_size;
     for (const BodySpec& body : scene.bodies) half_size.push_back(point_half_size(body, grid.cell()));
     std::int64_t rves = 0;
     for (int body : points.body) rves += scene.bodies[static_cast<std::size_t>(body)].law == "rve";
     const RveFacts facts = rve_facts(packings, rves);
-    for (std::size_t p = 0; p < points.count(); ++p) {
+    for (std::size_t p = 0; points.mechanical && p < points.count(); ++p) {
         const bool rve = scene.bodies[static_cast<std::size_t>(points.body[p])].law == "rve";
         points.p_wave_modulus[p] = rve ? facts.stiffness : ElasticLaw(*scene.elastic).p_wave_modulus();
     }
@@ -112,7 +135,8 @@ int explain(const std::string& scene_file, const std::vector<std::string>& set, 
         row("discs", fmt::format("{:.0f} per RVE, {:.0f} in all; {:.0f} contacts per RVE; {} packing(s)", facts.discs, facts.discs * static_cast<double>(rves), facts.contacts, packings.size()));
         row("memory of the farm", "about " + bytes_text(static_cast<double>(rves) * rve_bytes(facts)));
     }
-    row("memory of the driver", "about " + bytes_text(400.0 * static_cast<double>(points.count()) + 100.0 * grid.node_count()));
+    row("memory of the driver", "about " + bytes_text(((points.mechanical ? 400.0 : 200.0) + (scene.heat ? 90.0 : 0.0)) * static_cast<double>(points.count()) +
+                                                          ((points.mechanical ? 100.0 : 0.0) + (scene.heat ? 80.0 + 40.0 * static_cast<double>(scene.heat->materials.size()) : 0.0)) * grid.node_count()));
     explain_steps(scene, grid, points, half_size, facts);
     for (const std::string& warning : warnings) row("warning", warning);
     row("threads", fmt::format("{}", threads > 0 ? threads : omp_get_max_threads()));

@@ -72,11 +72,13 @@ public:
 
     void announce() const {
         const Effects effects = effects_of(scene_);
+        if (const HeatSolver* heat = simulation_.heat())
+            for (const std::string& warning : heat->warnings()) log::warn("{}", warning);
         log::info("{}: {} points, {} RVEs; output in {}", scene_.title, simulation_.points().count(), laws_.rves(), output_.string());
         for (const auto& effect : effects.on) log::info("on   {}", effect);
         for (const auto& effect : effects.off) log::info("off  {}", effect);
         log::info("a step: {}", fmt::join(simulation_.schedule().table_of_contents(), " > "));
-        log::info("largest stable step: {}", describe(simulation_.stable_step(), simulation_.grid().cell()));
+        log::info("largest stable step: {}", simulation_.describe_limits());
     }
 
     int go() {
@@ -98,6 +100,9 @@ public:
     // After the end of go(), however it ended.
     void close(int exit, const std::string& cause) {
         RunFacts facts = laws_.facts();
+        facts.warnings.insert(facts.warnings.end(), simulation_.warnings().begin(), simulation_.warnings().end());
+        if (const HeatSolver* heat = simulation_.heat())
+            for (const std::string& warning : heat->warnings()) facts.warnings.push_back(warning);
         facts.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
         facts.stage_seconds = simulation_.schedule().timer().rows();
         facts.stage_seconds.emplace_back("output", output_seconds_);
@@ -131,6 +136,7 @@ private:
         const auto timed = StageTimer::Scope(output_seconds_);
         const double now = simulation_.time();
         const bool turn = simulation_.stage() != stage;
+        for (; warned_ < simulation_.warnings().size(); ++warned_) log::warn("{}", simulation_.warnings()[warned_]);
         if (turn && !simulation_.finished()) log::info("t = {:.4g} s: stage \"{}\"", now, scene_.stages[static_cast<std::size_t>(simulation_.stage())].name);
         if (scene_.output.history_interval <= 0.0 || due(scene_.output.history_interval, before, now)) write_history();
         written_fields_ = due(scene_.output.fields_interval, before, now);
@@ -167,6 +173,7 @@ private:
     std::optional<History> history_;
     std::optional<FieldsWriter> fields_;
     bool written_fields_ = false;
+    std::size_t warned_ = 0; // of the simulation's warnings
     std::int64_t checkpointed_step_ = -1;
     double output_seconds_ = 0.0;
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();

@@ -9,6 +9,7 @@
 
 #include "common/math/matrix.hpp"
 #include "common/packing/packing_spec.hpp"
+#include "mpm-driver/app/heat_scene.hpp"
 
 namespace talik::driver {
 
@@ -25,11 +26,15 @@ struct DomainSpec {
 struct BodySpec {
     std::string name;
     std::vector<Vector> polygon; // m; a box is read as its four corners
-    std::string law;             // "rve" or "elastic"
+    std::string law;             // "rve", "elastic", or "none": at rest, for scenes of heat alone
     int points_per_cell = 4;     // 1, 4, 9, 16: the same number along each axis
     std::optional<double> density; // bulk density kg/m^3; else from the RVE's discs (law "rve")
     Vector velocity = Vector::Zero(); // initial, m/s
     Eigen::Vector3d stress = Eigen::Vector3d::Zero(); // initial sxx syy sxy of law "elastic", Pa
+    std::string material;        // of heat, by name
+    std::optional<double> temperature; // at the start, degrees C
+    std::string temperature_file;      // or from a CSV x_m, y_m, temperature_C on a regular grid
+    bool frozen = false;         // where it starts at T0 of a sharp front: frozen
 };
 
 struct ElasticSpec {
@@ -53,14 +58,20 @@ struct WallSpec {
 struct StageSpec {
     std::string name;
     double duration = 0.0;                // s, at most
-    std::optional<double> energy_ratio;   // ends earlier, once kinetic energy / internal work falls below this
+    std::optional<double> energy_ratio;   // ends earlier, once kinetic energy / internal work of the stage stays below this
     Vector gravity = Vector::Zero();      // m/s^2
+    double gravity_ramp = 0.0;            // s: gravity grows smoothly to it from that of the stage before (from 0 at the start)
     double particle_damping = 0.0;        // alpha_p, 1/s (Eq. 34)
     double grid_damping = 0.0;            // alpha_g, 1/s (Eq. 34)
     double pic = 0.0;                     // alpha_PIC per step, in [0, 1] (Eq. 34)
     std::vector<std::string> moves;       // walls that move in this stage
     std::vector<std::string> activates;   // at its start: "bonds"
     std::vector<std::string> activates_in; // names of bodies; empty = in all
+};
+
+// Swelling of ground whose pore water freezes.
+struct PhaseChangeStrainSpec {
+    double expansion = 0.09; // of water on freezing, relative, -
 };
 
 struct StepSpec {
@@ -81,6 +92,8 @@ struct Scene {
     std::vector<BodySpec> bodies;
     std::optional<ElasticSpec> elastic;
     std::optional<RveSpec> rve;
+    std::optional<HeatSpec> heat;
+    std::optional<PhaseChangeStrainSpec> phase_change_strain;
     std::vector<WallSpec> walls;
     double confining_pressure = 0.0; // Pa on all free sides, compression positive; follows the material exactly
     StepSpec step;
@@ -89,6 +102,13 @@ struct Scene {
 
     std::string file; // as given
     std::string hash; // of the checked content, so that comments and layout do not count
+
+    // Bodies move and carry stress; in a scene of heat alone (law "none" throughout) no column of mechanics exists.
+    bool mechanics() const {
+        for (const BodySpec& body : bodies)
+            if (body.law != "none") return true;
+        return bodies.empty();
+    }
 };
 
 } // namespace talik::driver

@@ -87,6 +87,7 @@ void check_stages(const Scene& scene, const Place& at) {
             else if (scene.walls[static_cast<std::size_t>(wall - names.begin())].velocity == 0.0)
                 item(at, "stage", i).fault("moves", fmt::format("the wall \"{}\" has no velocity", moved), "give it one in its [[wall]]");
         }
+        if (stage.gravity_ramp > stage.duration) item(at, "stage", i).fault("gravity_ramp", fmt::format("{:g} s is longer than the stage", stage.gravity_ramp), "give the stage a longer duration");
         if (stage.activates.empty() && !stage.activates_in.empty())
             item(at, "stage", i).fault("activates_in", "is given for a stage that activates nothing", "add activates = [\"bonds\"], or leave this out");
         for (const std::string& name : stage.activates_in)
@@ -95,6 +96,20 @@ void check_stages(const Scene& scene, const Place& at) {
         if (!stage.activates.empty() && !(scene.rve && scene.rve->parameters.bond))
             item(at, "stage", i).fault("activates", "\"bonds\" needs the table [rve.bond]", "add that table, or leave this out");
     }
+}
+
+// Packings by depth balance the gravity that is there from the first step on.
+void check_k0(const Scene& scene, const Place& at) {
+    if (!scene.rve || !scene.rve->packing.k0 || scene.rve->packing.k0->stress_min || scene.stages.empty()) return;
+    const StageSpec& first = scene.stages.front();
+    if (!(first.gravity[1] < 0.0)) item(at, "stage", 0).fault("gravity", "is not downward, but [rve.packing.k0] takes the stress of depth from it", "give it, or give k0 its stress_min and stress_max");
+    if (first.gravity_ramp > 0.0) item(at, "stage", 0).fault("gravity_ramp", "is given beside packings that are at the stress of full gravity already", "leave it out, or leave out [rve.packing.k0]");
+}
+
+void check_phase_change_strain(const Scene& scene, const Place& at) {
+    if (!scene.phase_change_strain) return;
+    if (!scene.heat) at.fault("phase_change_strain", "is given in a scene without heat", "add the table [heat], or leave it out");
+    if (!scene.mechanics()) at.fault("phase_change_strain", "is given in a scene where nothing moves", "give the bodies a law, or leave it out");
 }
 
 } // namespace
@@ -112,8 +127,11 @@ void check_whole_scene(const Scene& scene, const Place& at) {
     check_law(scene, at, "elastic", scene.elastic.has_value());
     check_law(scene, at, "rve", scene.rve.has_value());
     check_bodies(scene, at);
+    check_heat(scene, at);
     check_walls(scene, at);
     check_stages(scene, at);
+    check_k0(scene, at);
+    check_phase_change_strain(scene, at);
 }
 
 } // namespace talik::driver

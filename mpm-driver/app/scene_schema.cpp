@@ -20,6 +20,8 @@ const Table<Scene>& scene_table() {
             .tables("body", &Scene::bodies, body_table(), required)
             .optional_table<ElasticSpec>("elastic", &Scene::elastic, elastic_table())
             .optional_table<RveSpec>("rve", &Scene::rve, rve_table())
+            .optional_table<HeatSpec>("heat", &Scene::heat, heat_table())
+            .optional_table<PhaseChangeStrainSpec>("phase_change_strain", &Scene::phase_change_strain, phase_change_strain_table())
             .tables("wall", &Scene::walls, wall_table())
             .table<StepSpec>("step", &Scene::step, step_table())
             .tables("stage", &Scene::stages, stage_table(), required)
@@ -37,6 +39,7 @@ Scene read_with_faults(const std::string& file, const std::vector<std::string>& 
     scene_table().read(document, "", scene, faults);
     scene.file = file;
     if (faults.empty()) scene.hash = fingerprint(scene_table().dump(scene)); // before paths are resolved: a moved scene stays the same
+    if (scene.heat) resolve_heat_files(scene, document, faults);
     if (const Value* rve = document.find("rve"); rve && scene.rve) resolve_packing_files(scene.rve->packing, file, Place{*rve, "rve", faults});
     return scene;
 }

@@ -44,7 +44,7 @@ void check_body(const BodySpec& b, const Place& at) {
     const int side = static_cast<int>(std::lround(std::sqrt(b.points_per_cell)));
     if (side * side != b.points_per_cell) at.fault("points_per_cell", fmt::format("{} is no square", b.points_per_cell), "take 1, 4, 9 or 16");
     if (!(b.velocity.norm() <= highest_speed)) at.fault("velocity", fmt::format("{:g} m/s is no speed of ground", b.velocity.norm()), fmt::format("give at most {:g} m/s", highest_speed));
-    if (b.law == "elastic" && !b.density) at.fault("density", "is missing", "an elastic body needs its bulk density");
+    if (b.law == "elastic" && !b.density && b.material.empty()) at.fault("density", "is missing", "an elastic body needs its bulk density");
     if (b.law != "elastic" && !b.stress.isZero(0.0)) at.fault("stress", "is given for a body of RVEs", "leave it out: their packings bring their own");
 }
 
@@ -80,10 +80,14 @@ Table<BodySpec> body_table() {
     table.text("name", &B::name, "for messages and output", required)
         .points("box", &B::polygon, length, 2, "two opposite corners", corners_of_box)
         .points("polygon", &B::polygon, length, 0, "corners in order along the outline")
-        .choice("law", &B::law, {"rve", "elastic"}, "what answers with stress: an RVE behind each point, or linear elasticity", required)
+        .choice("law", &B::law, {"rve", "elastic", "none"}, "what answers with stress: an RVE behind each point, linear elasticity, or nothing (scenes of heat alone, all at rest)", required)
         .whole("points_per_cell", &B::points_per_cell, between(1, 16), "1, 4, 9 or 16: the same number along each axis")
         .optional_quantity("density", &B::density, density, between(1, 1e5), "bulk density; without it that of the RVE's discs")
         .components("velocity", &B::velocity, velocity, any(), "at the start")
+        .text("material", &B::material, "of heat: the name of a [[heat.material]]")
+        .optional_quantity("temperature", &B::temperature, temperature, any(), "at the start")
+        .text("temperature_file", &B::temperature_file, "in its place: CSV x_m, y_m, temperature_C on a full rectangular grid")
+        .flag("frozen", &B::frozen, "a start at T0 of a sharp front (a ramp of no width) is frozen, not thawed")
         .components("stress", &B::stress, pressure, any(), "at the start, of law \"elastic\": sxx, syy, sxy, tension positive")
         .check(check_body);
     return table;
@@ -94,6 +98,13 @@ Table<ElasticSpec> elastic_table() {
     Table<E> table("Linear elasticity in plane strain, for bodies of law \"elastic\".");
     table.quantity("young", &E::young, pressure, positive(), "Young's modulus", required)
         .number("poisson", &E::poisson, {.least = -0.99, .most = 0.499}, "Poisson's ratio", required);
+    return table;
+}
+
+Table<PhaseChangeStrainSpec> phase_change_strain_table() {
+    using P = PhaseChangeStrainSpec;
+    Table<P> table("Swelling of ground whose pore water freezes. RVEs and the elastic law are asked for the strain without it.");
+    table.number("expansion", &P::expansion, {.least = 0.0, .most = 0.5}, "of water on freezing, relative: ice takes 9 % more room; air in the pores gives way first");
     return table;
 }
 
@@ -117,8 +128,9 @@ Table<StageSpec> stage_table() {
     Table<S> table("Stages of the run, one after the other.");
     table.text("name", &S::name, "for the log and the output", required)
         .quantity("duration", &S::duration, time, positive(), "at most", required)
-        .optional_quantity("energy_ratio", &S::energy_ratio, none, positive(), "ends earlier, once kinetic energy / internal work falls below this")
+        .optional_quantity("energy_ratio", &S::energy_ratio, none, positive(), "ends earlier, once kinetic energy / internal work of the stage stays below this for ten steps; else a warning is given at the end")
         .components("gravity", &S::gravity, acceleration, any(), "gx, gy")
+        .quantity("gravity_ramp", &S::gravity_ramp, time, not_negative(), "gravity grows smoothly over this time, from that of the stage before (at the start from zero)")
         .quantity("particle_damping", &S::particle_damping, rate, not_negative(), "alpha_p (Eq. 34)")
         .quantity("grid_damping", &S::grid_damping, rate, not_negative(), "alpha_g (Eq. 34)")
         .number("pic", &S::pic, between(0, 1), "alpha_PIC, fraction of PIC per step (Eq. 34)")

@@ -65,6 +65,8 @@ void FarmLaw::begin(std::span<const std::uint32_t> ids, const Points& points, La
         scale_.push_back(points.initial_volume[ids[rve]] / rve_volume);
     }
 
+    sends_ice_ = setup_.parameters.bond && !points.ice_saturation.empty();
+    if (sends_ice_) hello_.request_columns.push_back(columns_of::ice_saturation);
     farm_program_ = farm_.connect(hello_).program;
     const auto said = farm_.configure(encode(setup_));
     ByteReader in(said, "the answer to configure");
@@ -96,6 +98,7 @@ void FarmLaw::submit(const LawRequest& request, LawAnswer answer) {
             gradient[1][row] = increment(0, 1);
             gradient[2][row] = increment(1, 0);
             gradient[3][row] = increment(1, 1);
+            if (sends_ice_) chunk.component(4)[row] = request.ice_saturation[point];
         }
         sent += rves.size();
         farm_.send_chunk();

@@ -51,6 +51,7 @@ private:
     FarmSetup setup_;
     std::uint64_t seed_;
     std::string farm_program_;
+    bool sends_ice_ = false; // bonds that thaw: S_i is a column of the requests
     std::function<double(const Vector&)> vertical_stress_;
     exchange::ColumnTable answer_columns_;
     Components at_{};

@@ -19,6 +19,7 @@ struct LawRequest {
     const Matrix* displacement_gradient_increment = nullptr;    // dt grad v, -
     const double* volume = nullptr;                             // V_p at the start of the step, m^3
     const double* initial_volume = nullptr;                     // V_p^0, m^3
+    const double* ice_saturation = nullptr;                     // S_i of Eq. (8), -; null where the scene has no heat
 };
 
 // Where the answers go. Columns are indexed by point id; a law writes the rows it was asked for and no others.

@@ -6,7 +6,7 @@
 
 namespace talik::driver {
 
-Grid::Grid(const Vector& origin, const Vector& size, double cell, double thickness)
+Grid::Grid(const Vector& origin, const Vector& size, double cell, double thickness, bool mechanical)
     : first_node_(origin.array() - cell), cell_(cell), thickness_(thickness) {
     require(cell > 0.0, "the cell size of the domain is not positive", "give domain.cell as a length above 0");
     require(thickness > 0.0, "the thickness of the domain is not positive", "give domain.thickness as a length above 0");
@@ -16,6 +16,7 @@ Grid::Grid(const Vector& origin, const Vector& size, double cell, double thickne
         const int cells = static_cast<int>(std::ceil(size[axis] / cell - 1e-9)); // a size of 10 cells is 10, not 11
         nodes_[axis] = cells + 3; // cells + 1 nodes, and a ghost at each end
     }
+    if (!mechanical) return;
     const auto n = static_cast<std::size_t>(node_count());
     mass.resize(n, 0.0);
     for (auto* column : {&velocity_before, &velocity, &internal_force, &unit_pressure_force, &force})

@@ -9,8 +9,8 @@ namespace talik::driver {
 
 class Grid {
 public:
-    // size is rounded up to whole cells.
-    Grid(const Vector& origin, const Vector& size, double cell, double thickness);
+    // size is rounded up to whole cells. mechanical: with the nodal columns below.
+    Grid(const Vector& origin, const Vector& size, double cell, double thickness, bool mechanical = true);
 
     double cell() const { return cell_; }           // h, m
     double thickness() const { return thickness_; } // out of plane, m

@@ -8,15 +8,18 @@
 
 namespace talik::driver {
 
-double stress_power(const Points& points) {
+double stress_power(const Points& points) { return stress_power(points, points.displacement_gradient_increment, points.volume); }
+
+double stress_power(const Points& points, const std::vector<Matrix>& increments, const std::vector<double>& volumes) {
     return ordered_sums<1>(points.count(), [&](std::size_t p, std::array<double, 1>& sum) {
         const Stress& s = points.stress[p];
-        const Matrix& e = points.displacement_gradient_increment[p];
-        sum[0] += points.volume[p] * (s[0] * e(0, 0) + s[1] * e(1, 1) + s[2] * (e(0, 1) + e(1, 0)));
+        const Matrix& e = increments[p];
+        sum[0] += volumes[p] * (s[0] * e(0, 0) + s[1] * e(1, 1) + s[2] * (e(0, 1) + e(1, 0)));
     })[0];
 }
 
 void Ledger::sum_law_energy(const Points& points) {
+    if (!points.mechanical) return;
     const auto sums = ordered_sums<2>(points.count(), [&](std::size_t p, std::array<double, 2>& sum) {
         sum[0] += points.energy[p].total();
         sum[1] += points.energy[p].stored;
@@ -32,6 +35,7 @@ void Ledger::open(const Points& points) {
     *this = Ledger();
     for (std::size_t p = 0; p < points.count(); ++p) {
         initial_mass += points.mass[p];
+        if (!points.mechanical) continue;
         initial_momentum += points.mass[p] * points.velocity[p];
         initial_kinetic += 0.5 * points.mass[p] * points.velocity[p].squaredNorm();
     }
@@ -113,12 +117,12 @@ double Ledger::dissipation() const {
 }
 
 double Ledger::input_work() const {
-    return initial_kinetic + std::max(wall_work, 0.0) + std::max(pressure_work, 0.0) + std::max(gravity_work, 0.0) + std::max(prescribed_work, 0.0);
+    return initial_kinetic + std::max(wall_work, 0.0) + std::max(pressure_work, 0.0) + std::max(gravity_work, 0.0) + std::max(prescribed_work, 0.0) + std::max(-phase_change, 0.0);
 }
 
 double Ledger::energy_residual() const {
     const double fed = wall_work + pressure_work + gravity_work + prescribed_work;
-    return initial_kinetic + fed - kinetic - dissipation() - (law_energy - initial_law_energy);
+    return initial_kinetic + fed - kinetic - dissipation() - phase_change - (law_energy - initial_law_energy);
 }
 
 double Ledger::numerical_loss() const {
@@ -175,6 +179,7 @@ std::vector<StateColumn> Ledger::state() {
     scalar("pic", "J", "lost to the PIC fraction", pic);
     scalar("grid_damping", "J", "dissipated by grid damping", grid_damping);
     scalar("particle_damping", "J", "dissipated by particle damping", particle_damping);
+    scalar("phase_change", "J", "taken by the swelling of freezing ground", phase_change);
     scalar("initial_law_energy", "J", "energy booked by the laws at the start", initial_law_energy);
     scalar("law_energy", "J", "energy booked by the laws: stored, dissipated, kinetic", law_energy);
     scalar("law_stored", "J", "elastic energy stored in the laws", law_stored);

@@ -44,6 +44,7 @@ struct Ledger {
     double strain_transfer = 0.0; // lost because the points strain with v^{n+1}, which the next map from the points alters
     double pic = 0.0;             // lost to alpha_PIC
     double grid_damping = 0.0, particle_damping = 0.0;
+    double phase_change = 0.0;    // taken by the swelling of freezing ground: V sigma : d eps_v / 2 I (negative: fed by it)
     double initial_law_energy = 0.0, law_energy = 0.0; // stored + dissipated + kinetic, of all points' laws
     double law_stored = 0.0, law_dissipation = 0.0;    // of it
 
@@ -68,5 +69,7 @@ private:
 
 // sum_p V sigma : (dt D), J, of the present stress, volume and increment.
 double stress_power(const Points& points);
+// The same with other increments and volumes: those that the laws were asked with.
+double stress_power(const Points& points, const std::vector<Matrix>& increments, const std::vector<double>& volumes);
 
 } // namespace talik::driver

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -14,13 +15,16 @@ namespace talik::driver {
 
 Simulation::Simulation(const Scene& scene, Laws laws)
     : scene_(scene), laws_(std::move(laws)),
-      grid_(scene.domain.origin, scene.domain.size, scene.domain.cell, scene.domain.thickness),
-      points_(seed_points(scene.bodies, grid_)), supports_(grid_, points_.count()) {
+      grid_(scene.domain.origin, scene.domain.size, scene.domain.cell, scene.domain.thickness, scene.mechanics()),
+      points_(seed_points(scene.bodies, grid_, scene.mechanics())), supports_(grid_, points_.count()) {
     require(!scene_.stages.empty(), "the scene has no stage", "add a [[stage]] with a duration");
     for (const BodySpec& body : scene_.bodies) half_size_.push_back(point_half_size(body, grid_.cell()));
     for (const WallSpec& wall : scene_.walls) walls_.emplace_back(wall, grid_);
     if (scene_.domain.volume_strain == "cell") cell_means_.emplace(grid_, points_.count());
-    begin_laws();
+    supports_.update(grid_, points_, half_size_);
+    if (scene_.heat) heat_ = std::make_unique<HeatSolver>(scene_, grid_, supports_, half_size_, points_);
+    if (scene_.phase_change_strain) phase_change_strain_.emplace(scene_, points_);
+    if (mechanics()) begin_laws();
     ledger_.open(points_);
     build_schedule();
     enter_stage();
@@ -28,12 +32,14 @@ Simulation::Simulation(const Scene& scene, Laws laws)
 
 // The table of contents of a step.
 void Simulation::build_schedule() {
-    schedule_.add("shape functions", [this] { supports_.update(grid_, points_, half_size_); });
+    if (mechanics()) schedule_.add("shape functions", [this] { supports_.update(grid_, points_, half_size_); });
+    if (heat_) schedule_.add("heat", [this] { advance_heat(); });
+    if (!mechanics()) return;
     schedule_.add("points to grid", [this] { points_to_grid(points_, supports_, grid_); });
     if (cell_means_) schedule_.add("points in cells", [this] { cell_means_->locate(grid_, points_); });
     schedule_.add("nodal forces", [this] {
         nodal_forces(points_, cell_means_ ? cell_means_->acting_stress(points_) : points_.stress, supports_, scene_.confining_pressure,
-                     present_stage().gravity, grid_);
+                     gravity_, grid_);
     });
     schedule_.add("hold at walls", [this] {
         if (!prescribed_) hold_mapped_velocity(walls_, grid_, dt_, scene_.confining_pressure);
@@ -42,6 +48,7 @@ void Simulation::build_schedule() {
     schedule_.add("walls", [this] { constrain_grid(); });
     schedule_.add("strain increments", [this] { strain_increments(grid_, supports_, dt_, points_); });
     if (cell_means_) schedule_.add("volume strain of cells", [this] { cell_means_->average_volume_strain(points_); });
+    if (phase_change_strain_) schedule_.add("strain of phase change", [this] { phase_change_strain_->subtract(points_); });
     schedule_.add("ask laws", [this] { submit_to_laws(); });
     schedule_.add("grid to points", [this] { move_points(); });
     schedule_.add("wait for laws", [this] { collect_from_laws(); });
@@ -106,14 +113,37 @@ std::vector<std::uint32_t> Simulation::points_of(const std::vector<std::string>&
     return ids;
 }
 
+// Of the present stage: grown smoothly (3 s^2 - 2 s^3, no jump of the force's rate) from that at the end of the stage before.
+Vector Simulation::gravity_at(double time) const {
+    const StageSpec& stage = present_stage();
+    const double part = stage.gravity_ramp > 0.0 ? std::clamp((time - clock_.stage_start) / stage.gravity_ramp, 0.0, 1.0) : 1.0;
+    const Vector before(clock_.gravity_x, clock_.gravity_y);
+    return before + part * part * (3.0 - 2.0 * part) * (stage.gravity - before);
+}
+
+// At rest: kinetic energy below a part of the internal work of the stage so far, for ten steps in a row, so that the
+// moment in which a swinging body turns back is not taken for rest; and not while gravity still grows.
+bool Simulation::is_at_rest() {
+    const StageSpec& stage = present_stage();
+    const double work = std::abs(ledger_.internal_work - clock_.internal_work_at_stage_start); // J
+    const bool ramped = clock_.time >= clock_.stage_start + stage.gravity_ramp;
+    const bool slow = stage.energy_ratio && ramped && work > 0.0 && ledger_.kinetic < *stage.energy_ratio * work;
+    clock_.steps_at_rest = slow ? clock_.steps_at_rest + 1.0 : 0.0;
+    return clock_.steps_at_rest >= 10.0;
+}
+
 void Simulation::leave_stage_when_done() {
     const StageSpec& stage = present_stage();
     const double remaining = clock_.stage_start + stage.duration - clock_.time;
     const double rounding = scene_.step.fixed ? 0.5 * *scene_.step.fixed : 1e-9 * stage.duration;
-    // Internal work of the stage so far against the kinetic energy: at the very start the latter is far larger.
-    const double work = std::abs(ledger_.internal_work - clock_.internal_work_at_stage_start);
-    const bool at_rest = stage.energy_ratio && work > 0.0 && ledger_.kinetic < *stage.energy_ratio * work;
+    const bool at_rest = is_at_rest();
     if (remaining > rounding && !at_rest) return;
+    if (stage.energy_ratio && !at_rest)
+        warnings_.push_back(fmt::format("stage \"{}\" ended at its latest time before it came to rest: kinetic energy is {:.2g} of its internal work, asked for were {:.2g}",
+                                        stage.name, ledger_.kinetic / std::abs(ledger_.internal_work - clock_.internal_work_at_stage_start), *stage.energy_ratio));
+    const Vector gravity = gravity_at(clock_.time);
+    clock_.gravity_x = gravity[0], clock_.gravity_y = gravity[1];
+    clock_.steps_at_rest = 0.0;
     clock_.stage += 1.0;
     enter_stage();
 }
@@ -124,28 +154,74 @@ double Simulation::end_time() const {
     return end;
 }
 
-StepLimit Simulation::stable_step() const { return mechanical_step_limit(grid_, points_, half_size_); }
+StepLimit Simulation::stable_step() const {
+    if (mechanics()) return mechanical_step_limit(grid_, points_, half_size_);
+    StepLimit limit;
+    limit.step = limit.surface_step = std::numeric_limits<double>::infinity();
+    return limit;
+}
+
+std::string Simulation::describe_limits() const {
+    std::string text = mechanics() ? describe(stable_step(), grid_.cell()) : "";
+    if (heat_) text += (text.empty() ? "heat " : "; heat ") + heat_->describe(heat_->limit(grid_, points_), grid_);
+    return text;
+}
 
 double Simulation::next_step() const {
     if (scene_.step.fixed) return *scene_.step.fixed;
     const double remaining = clock_.stage_start + present_stage().duration - clock_.time;
     const StepLimit limit = stable_step();
-    const double step = scene_.step.safety * std::min(limit.step, limit.surface_step);
+    const double step = mechanics() ? scene_.step.safety * std::min(limit.step, limit.surface_step) : heat_->limit(grid_, points_).automatic;
     return step > remaining * (1.0 - 1e-9) ? remaining : step;
 }
 
-void Simulation::step(double dt) {
+void Simulation::check_step(double dt) const {
+    const ExitCode code = steps_done() == 0 ? ExitCode::bad_input : ExitCode::failed;
+    if (!mechanics()) { // with mechanics, heat takes sub-steps of its own
+        const HeatLimit limit = heat_->limit(grid_, points_);
+        if (dt <= limit.step * (1.0 + 1e-9)) return;
+        fail(code, fmt::format("the step of {:.4g} s is beyond the largest stable one of heat, {}", dt, heat_->describe(limit, grid_)),
+             fmt::format("use step = \"auto\", or at most {:.3g} s", limit.automatic));
+    }
     const StepLimit limit = stable_step();
     if (!(dt <= limit.step))
-        fail(steps_done() == 0 ? ExitCode::bad_input : ExitCode::failed,
+        fail(code,
              fmt::format("the step of {:.4g} s is beyond the largest stable one, {}", dt, describe(limit, grid_.cell())),
              fmt::format("use step = \"auto\", or at most {:.3g} s", 0.5 * std::min(limit.step, limit.surface_step)));
+}
+
+void Simulation::step(double dt) {
+    check_step(dt);
     if (steps_done() == 0) ledger_.open(points_); // with what the caller may have set since
     dt_ = dt;
+    gravity_ = gravity_at(clock_.time + 0.5 * dt);
     schedule_.run();
     clock_.time += dt;
     clock_.step += 1.0;
     leave_stage_when_done();
+}
+
+// Heat goes on by sub-steps of its own where its limit is below the mechanical step; where it is above, once in as many
+// steps as fit into it, and at the end of a stage.
+void Simulation::advance_heat() {
+    clock_.pending_heat += dt_;
+    if (!mechanics()) {
+        heat_->advance(grid_, supports_, points_, clock_.pending_heat, 1, false);
+    } else {
+        const double allowed = heat_->limit(grid_, points_).automatic;
+        const double remaining = clock_.stage_start + present_stage().duration - clock_.time - dt_;
+        if (clock_.pending_heat + dt_ <= allowed && remaining > 0.5 * dt_) return;
+        const int substeps = std::max(1, static_cast<int>(std::ceil(clock_.pending_heat / allowed * (1.0 - 1e-9))));
+        heat_->advance(grid_, supports_, points_, clock_.pending_heat, substeps, true);
+    }
+    clock_.pending_heat = 0.0;
+}
+
+void Simulation::restored() {
+    if (phase_change_strain_) phase_change_strain_->update_volumes(points_);
+    if (mechanics()) return; // nodes are gathered anew in every step; what heat has published is a column of the state
+    supports_.update(grid_, points_, half_size_);
+    heat_->restored(grid_, supports_, points_);
 }
 
 void Simulation::constrain_grid() {
@@ -156,11 +232,19 @@ void Simulation::constrain_grid() {
 
 void Simulation::submit_to_laws() {
     point_work_ = 0.5 * stress_power(points_); // with the stress and volume at the start of the step
+    law_work_ = 0.5 * law_power();
     const auto number = static_cast<std::uint64_t>(steps_done()) + 1;
+    const auto& increments = phase_change_strain_ ? phase_change_strain_->increments() : points_.displacement_gradient_increment;
+    const auto& volumes = phase_change_strain_ ? phase_change_strain_->volumes() : points_.volume;
     for (LawPoints& group : law_points_)
-        group.law->submit({number, dt_, group.ids, points_.displacement_gradient_increment.data(), points_.volume.data(),
-                            points_.initial_volume.data()},
+        group.law->submit({number, dt_, group.ids, increments.data(), volumes.data(), points_.initial_volume.data(),
+                            points_.ice_saturation.empty() ? nullptr : points_.ice_saturation.data()},
                           answer_columns());
+}
+
+// Of what the laws are asked for; 0 where that is what the points strain by.
+double Simulation::law_power() const {
+    return phase_change_strain_ ? stress_power(points_, phase_change_strain_->increments(), phase_change_strain_->volumes()) : 0.0;
 }
 
 void Simulation::move_points() {
@@ -183,7 +267,12 @@ void Simulation::collect_from_laws() {
 
 void Simulation::book_step() {
     point_work_ += 0.5 * stress_power(points_); // and with those at its end: trapezoidal, as the grid's sum over steps is
-    ledger_.book_grid(grid_, dt_, scene_.confining_pressure, present_stage().gravity, walls_, prescribed_.has_value());
+    if (phase_change_strain_) {
+        phase_change_strain_->update_volumes(points_);
+        law_work_ += 0.5 * law_power();
+        ledger_.phase_change += point_work_ - law_work_;
+    }
+    ledger_.book_grid(grid_, dt_, scene_.confining_pressure, gravity_, walls_, prescribed_.has_value());
     ledger_.book_points(points_, point_books_, point_work_);
 }
 
@@ -192,8 +281,10 @@ std::vector<StateColumn> Simulation::state() {
     const auto append = [&](std::vector<StateColumn> more) { columns.insert(columns.end(), more.begin(), more.end()); };
     for (Wall& wall : walls_) append(wall.state());
     append(ledger_.state());
-    append({{"clock", "SI", "time s, steps, stage, start of the stage s, internal work J at that start",
-             {"time", "step", "stage", "stage_start", "internal_work_at_stage_start"}, &clock_.time, 1}});
+    if (heat_) append(heat_->state());
+    if (phase_change_strain_) append(phase_change_strain_->state());
+    append({{"clock", "SI", "time s, steps, stage, start of the stage s, internal work J and gravity m/s2 at that start, steps at rest, heat yet to come s",
+             {"time", "step", "stage", "stage_start", "internal_work_at_stage_start", "gravity_x", "gravity_y", "steps_at_rest", "pending_heat"}, &clock_.time, 1}});
     return columns;
 }
 

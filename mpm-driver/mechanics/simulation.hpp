@@ -17,8 +17,10 @@
 #include "mpm-driver/boundary/wall.hpp"
 #include "mpm-driver/constitutive/law.hpp"
 #include "mpm-driver/grid/grid.hpp"
+#include "mpm-driver/heat/heat_solver.hpp"
 #include "mpm-driver/mechanics/cell_means.hpp"
 #include "mpm-driver/mechanics/ledger.hpp"
+#include "mpm-driver/mechanics/phase_change_strain.hpp"
 #include "mpm-driver/mechanics/schedule.hpp"
 #include "mpm-driver/mechanics/step_limit.hpp"
 #include "mpm-driver/mechanics/supports.hpp"
@@ -38,7 +40,8 @@ public:
 
     bool finished() const { return stage() >= static_cast<int>(scene_.stages.size()); }
     double next_step() const;          // s: the fixed one, or safety times the limit, cut at the end of a stage
-    StepLimit stable_step() const;     // Eq. (42), for the present state
+    StepLimit stable_step() const;     // Eq. (42), for the present state; without end where nothing moves
+    std::string describe_limits() const;
     void step(double dt);              // refuses a dt beyond the limit
 
     double time() const { return clock_.time; }                                       // s
@@ -51,7 +54,13 @@ public:
     const Points& points() const { return points_; }
     Points& points() { return points_; } // for initial conditions beyond what a scene says
     const std::vector<Wall>& walls() const { return walls_; }
+    const std::vector<std::string>& warnings() const { return warnings_; } // of stages that ended as they should not
     const Ledger& ledger() const { return ledger_; }
+    bool mechanics() const { return points_.mechanical; } // else heat alone
+    const HeatSolver* heat() const { return heat_.get(); } // null where the scene has none
+    HeatSolver* heat() { return heat_.get(); }
+    void set_temperature(const std::vector<double>& celsius) { heat_->set_temperature(grid_, supports_, points_, celsius); } // by point, before the first step
+    void restored(); // after the columns of state() were filled
     const Schedule& schedule() const { return schedule_; }
     const Laws& laws() const { return laws_; }
     Law& law(const std::string& name) { return *laws_.at(name); }
@@ -64,6 +73,9 @@ public:
 private:
     struct Clock { // doubles only: it travels as a column of the state
         double time = 0.0, step = 0.0, stage = 0.0, stage_start = 0.0, internal_work_at_stage_start = 0.0;
+        double gravity_x = 0.0, gravity_y = 0.0; // when the stage began, m/s^2: a ramp starts from it
+        double steps_at_rest = 0.0;              // in a row, up to now
+        double pending_heat = 0.0;               // s, that heat has yet to go on by
     };
     struct LawPoints {
         Law* law;
@@ -71,17 +83,22 @@ private:
     };
 
     void build_schedule();
+    void advance_heat();
+    void check_step(double dt) const;
     void begin_laws();
     LawAnswer answer_columns();
     void enter_stage();
+    bool is_at_rest();
     void leave_stage_when_done();
     std::vector<std::uint32_t> points_of(const std::vector<std::string>& bodies) const;
     const StageSpec& present_stage() const;
+    Vector gravity_at(double time) const;
 
     void constrain_grid();
     void submit_to_laws();
     void move_points();
     void collect_from_laws();
+    double law_power() const;
     void book_step();
 
     Scene scene_;
@@ -90,17 +107,22 @@ private:
     Points points_;
     std::vector<double> half_size_; // l_p by body, m
     Supports supports_;
+    std::unique_ptr<HeatSolver> heat_;
     std::optional<CellMeans> cell_means_; // where the scene asks for them
+    std::optional<PhaseChangeStrain> phase_change_strain_; // likewise
     std::vector<Wall> walls_;
     std::vector<LawPoints> law_points_;
     std::optional<PrescribedField> prescribed_;
     Schedule schedule_;
     Ledger ledger_;
     Clock clock_;
+    std::vector<std::string> warnings_;
 
     // Of the present step.
     double dt_ = 0.0;         // s
+    Vector gravity_ = Vector::Zero(); // m/s^2, at the middle of the step
     double point_work_ = 0.0; // J
+    double law_work_ = 0.0;   // J, of it what the laws were asked for; only with phase_change_strain_
     PointUpdateBooks point_books_;
 };
 

@@ -130,6 +130,7 @@ void restore_checkpoint(Simulation& simulation, const fs::path& checkpoint) {
                         "restart with the very scene that wrote it");
         std::copy(array.values.begin(), array.values.end(), column.data);
     }
+    simulation.restored();
 }
 
 } // namespace talik::driver

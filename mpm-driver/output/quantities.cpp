@@ -37,7 +37,23 @@ FieldColumn column(const Points& points, std::string name, std::string unit, int
 
 } // namespace
 
+// Of a scene with heat: extremes, water and ice, what has entered by cause, how well it closes.
+static void add_heat(const Simulation& simulation, std::vector<HistoryValue>& out) {
+    const HeatSolver& heat = *simulation.heat();
+    const Points& points = simulation.points();
+    const auto [coldest, warmest] = heat.extremes();
+    out.insert(out.end(), {{"temperature_min_C", coldest}, {"temperature_max_C", warmest}, {"water_m3", heat.water_volume(points)},
+                           {"ice_m3", heat.ice_volume(points)}, {"heat_J", heat.content(points)}, {"heat_entered_J", heat.books().entered()}});
+    for (std::size_t i = 0; i + 1 < heat.entries().size(); ++i) out.push_back({heat.entries()[i] + "_heat_J", heat.books().heat(i)});
+    out.insert(out.end(), {{"temperature_overshoot_K", heat.books().overshoot()}, {"balance_heat", heat.balance_error(points)}});
+}
+
 std::vector<HistoryValue> history_values(const Simulation& simulation) {
+    if (!simulation.mechanics()) {
+        std::vector<HistoryValue> out = {{"stage", static_cast<double>(simulation.stage())}};
+        add_heat(simulation, out);
+        return out;
+    }
     const Points& points = simulation.points();
     const Ledger& ledger = simulation.ledger();
     const Means means = mean_state(points);
@@ -81,6 +97,8 @@ std::vector<HistoryValue> history_values(const Simulation& simulation) {
         {"numerical_loss", ledger.numerical_loss()},
     };
     out.insert(out.end(), rest.begin(), rest.end());
+    if (simulation.scene().phase_change_strain) out.push_back({"energy_phase_change_J", ledger.phase_change});
+    if (simulation.heat()) add_heat(simulation, out);
     return out;
 }
 
@@ -89,15 +107,23 @@ std::vector<FieldColumn> field_columns(const Simulation& simulation) {
     using Data = std::vector<double>;
     std::vector<FieldColumn> out;
     out.push_back(column(points, "position", "m", 2, [&](std::size_t p, Data& d) { d.insert(d.end(), {points.position[p].x(), points.position[p].y()}); }));
-    out.push_back(column(points, "displacement", "m", 3, [&](std::size_t p, Data& d) { const Vector u = points.displacement(p); d.insert(d.end(), {u.x(), u.y(), 0.0}); }));
-    out.push_back(column(points, "velocity", "m/s", 3, [&](std::size_t p, Data& d) { d.insert(d.end(), {points.velocity[p].x(), points.velocity[p].y(), 0.0}); }));
-    out.push_back(column(points, "stress", "Pa, xx yy xy, tension positive", 3, [&](std::size_t p, Data& d) { const Stress& s = points.stress[p]; d.insert(d.end(), {s[0], s[1], s[2]}); }));
-    out.push_back(column(points, "strain", "-, logarithmic, xx yy xy, tension positive", 3, [&](std::size_t p, Data& d) { const Matrix e = logarithmic_strain(points.deformation[p]); d.insert(d.end(), {e(0, 0), e(1, 1), e(0, 1)}); }));
-    out.push_back(column(points, "deformation_gradient", "-, xx xy yx yy", 4, [&](std::size_t p, Data& d) { const Matrix& f = points.deformation[p]; d.insert(d.end(), {f(0, 0), f(0, 1), f(1, 0), f(1, 1)}); }));
-    out.push_back(column(points, "equivalent_strain", "-", 1, [&](std::size_t p, Data& d) { d.push_back(equivalent_strain(points.deformation[p])); }));
+    if (simulation.mechanics()) {
+        out.push_back(column(points, "displacement", "m", 3, [&](std::size_t p, Data& d) { const Vector u = points.displacement(p); d.insert(d.end(), {u.x(), u.y(), 0.0}); }));
+        out.push_back(column(points, "velocity", "m/s", 3, [&](std::size_t p, Data& d) { d.insert(d.end(), {points.velocity[p].x(), points.velocity[p].y(), 0.0}); }));
+        out.push_back(column(points, "stress", "Pa, xx yy xy, tension positive", 3, [&](std::size_t p, Data& d) { const Stress& s = points.stress[p]; d.insert(d.end(), {s[0], s[1], s[2]}); }));
+        out.push_back(column(points, "strain", "-, logarithmic, xx yy xy, tension positive", 3, [&](std::size_t p, Data& d) { const Matrix e = logarithmic_strain(points.deformation[p]); d.insert(d.end(), {e(0, 0), e(1, 1), e(0, 1)}); }));
+        out.push_back(column(points, "deformation_gradient", "-, xx xy yx yy", 4, [&](std::size_t p, Data& d) { const Matrix& f = points.deformation[p]; d.insert(d.end(), {f(0, 0), f(0, 1), f(1, 0), f(1, 1)}); }));
+        out.push_back(column(points, "equivalent_strain", "-", 1, [&](std::size_t p, Data& d) { d.push_back(equivalent_strain(points.deformation[p])); }));
+    }
     out.push_back(column(points, "volume", "m3", 1, [&](std::size_t p, Data& d) { d.push_back(points.volume[p]); }));
     out.push_back(column(points, "density", "kg/m3", 1, [&](std::size_t p, Data& d) { d.push_back(points.density(p)); }));
     out.push_back(column(points, "body", "-", 1, [&](std::size_t p, Data& d) { d.push_back(points.body[p]); }));
+    if (simulation.heat()) {
+        const auto scalar = [&](const char* name, const char* unit, const std::vector<double>& values) { out.push_back({name, unit, 1, values}); };
+        scalar("temperature", "C", points.temperature);
+        scalar("ice_saturation", "-", points.ice_saturation);
+        scalar("ice_fraction", "-, of the volume", points.ice_fraction);
+    }
     for (const auto& [name, law] : simulation.laws())
         for (const StateColumn& c : law->columns())
             out.push_back({c.name, c.unit, static_cast<int>(c.components.size()), {c.data, c.data + c.size()}});

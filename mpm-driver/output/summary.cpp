@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "common/base/progress.hpp"
@@ -19,6 +21,11 @@ bool any_stage(const Scene& scene, auto&& holds) {
     return false;
 }
 
+// Temperatures may rightly leave the range of the initial and held ones.
+bool scene_has_power(const HeatSpec& heat) {
+    return !heat.sources.empty() || std::any_of(heat.boundaries.begin(), heat.boundaries.end(), [](const HeatBoundarySpec& b) { return b.kind == "flux"; });
+}
+
 } // namespace
 
 Effects effects_of(const Scene& scene) {
@@ -28,7 +35,7 @@ Effects effects_of(const Scene& scene) {
     };
     bool wall_friction = false;
     for (const WallSpec& wall : scene.walls) wall_friction |= wall.friction > 0.0;
-    say("mechanics", true, "always, in this version", "");
+    say("mechanics", scene.mechanics(), "bodies have a law", "no body has a law: heat alone, at rest");
     say("RVEs", scene.rve.has_value(), "[rve] is in the scene", "no [rve] in the scene: no farm is started");
     say("elastic law", scene.elastic.has_value(), "[elastic] is in the scene", "no [elastic] in the scene");
     say("bonds", scene.rve && scene.rve->parameters.bond, "[rve.bond] is in the scene", "no [rve.bond] in the scene");
@@ -40,8 +47,11 @@ Effects effects_of(const Scene& scene) {
     say("moving walls", any_stage(scene, [](const StageSpec& s) { return !s.moves.empty(); }), "a stage moves one", "no stage moves one");
     say("wall friction", wall_friction, "a wall has friction", "no wall has friction");
     say("damping of points and grid", any_stage(scene, [](const StageSpec& s) { return s.particle_damping > 0.0 || s.grid_damping > 0.0; }), "a stage sets it", "no stage sets it");
-    say("heat", false, "", "not part of this version");
-    say("phase change", false, "", "not part of this version");
+    const bool freezes = scene.heat && std::any_of(scene.heat->materials.begin(), scene.heat->materials.end(), [](const ThermalMaterialSpec& m) { return m.curve != "none"; });
+    say("heat", scene.heat.has_value(), scene.heat ? fmt::format("[heat] is in the scene ({} form)", scene.heat->formulation) : "", "no [heat] in the scene");
+    say("phase change", freezes, "a material has a freezing curve", "no material has a freezing curve");
+    say("strain of phase change", scene.phase_change_strain.has_value(), "[phase_change_strain] is in the scene", "no [phase_change_strain] in the scene");
+    say("heat runs on a clock of its own", scene.heat && scene.heat->time_scale != 1.0, scene.heat ? fmt::format("heat.time_scale is {:g}", scene.heat->time_scale) : "", "heat.time_scale is 1, or no heat");
     return effects;
 }
 
@@ -76,11 +86,22 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
     for (const auto& [stage, seconds] : facts.stage_seconds) json["wall_seconds"][stage] = seconds;
     json["cpu_seconds"] = facts.cpu_seconds;
     json["waiting_seconds"] = {{"driver", facts.waiting_driver}, {"farm", facts.waiting_farm ? Json(*facts.waiting_farm) : Json()}};
-    json["balance"] = {{"mass", ledger.mass_error()}, {"momentum", ledger.momentum_error()}, {"energy", ledger.energy_error()}, {"heat", nullptr}, {"numerical_loss", ledger.numerical_loss()}};
+    json["balance"] = {{"mass", ledger.mass_error()}, {"momentum", ledger.momentum_error()}, {"energy", ledger.energy_error()}, {"heat", simulation.heat() ? Json(simulation.heat()->balance_error(simulation.points())) : Json()}, {"numerical_loss", ledger.numerical_loss()}};
     json["energy_J"] = {{"input", ledger.input_work()}, {"work_of_walls", ledger.wall_work}, {"work_of_pressure", ledger.pressure_work}, {"work_of_gravity", ledger.gravity_work}, {"kinetic", ledger.kinetic}, {"internal_work", ledger.internal_work},
                         {"stored", ledger.law_stored}, {"dissipated_in_material", ledger.law_dissipation}, {"pic", ledger.pic},
                         {"transfer", ledger.transfer}, {"strain_transfer", ledger.strain_transfer}, {"wall_impact", ledger.wall_impact}, {"grid_damping", ledger.grid_damping},
                         {"particle_damping", ledger.particle_damping}, {"wall_friction", ledger.wall_friction}};
+    if (scene.phase_change_strain) json["energy_J"]["phase_change"] = ledger.phase_change;
+    if (const HeatSolver* heat = simulation.heat()) {
+        const Points& points = simulation.points();
+        const HeatLimit limit = heat->limit(simulation.grid(), points);
+        Json by_cause;
+        for (std::size_t i = 0; i + 1 < heat->entries().size(); ++i) by_cause[heat->entries()[i]] = heat->books().heat(i);
+        json["heat"] = {{"formulation", scene.heat->formulation}, {"steps", heat->steps()}, {"time_scale", scene.heat->time_scale},
+                        {"largest_step_s", limit.step}, {"automatic_step_s", limit.automatic}, {"content_J", heat->content(points)}, {"entered_J", heat->books().entered()},
+                        {"entered_by_cause_J", by_cause}, {"temperature_overshoot_K", heat->books().overshoot()},
+                        {"temperature_overshoot_of_span", heat->span() > 0.0 ? heat->books().overshoot() / heat->span() : 0.0}};
+    }
     json["warnings"] = facts.warnings;
     json["exit"] = facts.exit;
     if (!facts.cause.empty()) json["cause"] = facts.cause;
@@ -96,7 +117,13 @@ std::string summary_table(const Simulation& simulation, const RunFacts& facts) {
     if (facts.rves > 0) row("RVE evaluations", fmt::format("{} ({} with extra sub-steps)", facts.evaluations_done, facts.split_steps));
     row("wall time", fmt::format("{} ({:.1f} s)", readable_duration(facts.wall_seconds), facts.wall_seconds));
     if (facts.rves > 0) row("waiting", fmt::format("driver {:.1f} s, farm {}", facts.waiting_driver, facts.waiting_farm ? fmt::format("{:.1f} s", *facts.waiting_farm) : "unknown"));
-    row("balance errors", fmt::format("mass {:.1e}, momentum {:.1e}, energy {:.1e}; numerical loss {:.1e} of the input work", ledger.mass_error(), ledger.momentum_error(), ledger.energy_error(), ledger.numerical_loss()));
+    if (const HeatSolver* heat = simulation.heat()) {
+        row("heat", fmt::format("{:.4g} J entered in {:.0f} steps, balance error {:.1e}; temperatures out of range by at most {:.2g} K ({:.2g} % of the span){}",
+                                heat->books().entered(), heat->steps(), heat->balance_error(simulation.points()), heat->books().overshoot(),
+                                heat->span() > 0.0 ? 100.0 * heat->books().overshoot() / heat->span() : 0.0,
+                                scene_has_power(*simulation.scene().heat) ? ", which sources and fluxes may cause" : ""));
+    }
+    if (simulation.mechanics()) row("balance errors", fmt::format("mass {:.1e}, momentum {:.1e}, energy {:.1e}; numerical loss {:.1e} of the input work", ledger.mass_error(), ledger.momentum_error(), ledger.energy_error(), ledger.numerical_loss()));
     for (const auto& warning : facts.warnings) row("warning", warning);
     return text;
 }

@@ -31,6 +31,8 @@ struct Points {
     std::vector<Vector> initial_position; // m
     std::vector<double> initial_p_wave_modulus; // M at the start, Pa: set by the laws
 
+    bool mechanical = true; // false: at rest; the columns of mechanics are empty
+
     // The state that steps change.
     std::vector<Vector> position;         // x_p, m
     std::vector<Vector> velocity;         // v_p, m/s
@@ -39,6 +41,12 @@ struct Points {
     std::vector<Stress> stress;           // Pa
     std::vector<double> p_wave_modulus;   // M, Pa: the law's stiffness against the fastest wave
     std::vector<LawEnergy> energy;        // J
+
+    // Where the scene has heat (sized by the heat solver); the last three are what it publishes.
+    std::vector<double> enthalpy;         // E_p, J: zero where all is thawed at T0
+    std::vector<double> temperature;      // T_p, degrees C
+    std::vector<double> ice_saturation;   // S_i = theta_s / (theta_s + theta_f), -
+    std::vector<double> ice_fraction;     // theta_s, of the present volume, -
 
     // Of the present step only.
     std::vector<Matrix> displacement_gradient_increment; // dt grad v, - (column-major)

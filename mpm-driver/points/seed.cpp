@@ -49,7 +49,7 @@ void append_point(Points& points, const BodySpec& body, int body_index, const Ve
     points.resize(p + 1);
     points.body[p] = body_index;
     points.initial_position[p] = points.position[p] = x;
-    points.velocity[p] = body.velocity;
+    if (points.mechanical) points.velocity[p] = body.velocity;
     points.initial_volume[p] = points.volume[p] = volume;
     points.mass[p] = *body.density * volume; // kg/m^3 * m^3
 }
@@ -58,8 +58,9 @@ void append_point(Points& points, const BodySpec& body, int body_index, const Ve
 
 double point_half_size(const BodySpec& body, double cell) { return 0.5 * cell / points_per_axis(body); }
 
-Points seed_points(const std::vector<BodySpec>& bodies, const Grid& grid) {
+Points seed_points(const std::vector<BodySpec>& bodies, const Grid& grid, bool mechanical) {
     Points points;
+    points.mechanical = mechanical;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
         const BodySpec& body = bodies[b];
         require(body.polygon.size() >= 3, "body '" + body.name + "' has fewer than three corners", "give a box or a polygon");

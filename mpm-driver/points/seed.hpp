@@ -14,6 +14,7 @@ double point_half_size(const BodySpec& body, double cell);
 // Points stand on a regular sub-grid of spacing 2 l_p, those whose centre lies in the body. The sub-grid of a box starts
 // at the box's corner, so that a box tiles without gaps wherever it stands; that of any other polygon at the grid's, so
 // that neighbouring polygons fit together. Points get id, body, position, velocity, mass and volume; laws do the rest.
-Points seed_points(const std::vector<BodySpec>& bodies, const Grid& grid);
+// mechanical: with the columns of mechanics.
+Points seed_points(const std::vector<BodySpec>& bodies, const Grid& grid, bool mechanical = true);
 
 } // namespace talik::driver

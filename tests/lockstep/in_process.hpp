@@ -14,6 +14,7 @@
 #include "mpm-driver/app/laws.hpp"
 #include "mpm-driver/app/packings.hpp"
 #include "mpm-driver/app/scene_schema.hpp"
+#include "mpm-driver/points/overburden.hpp"
 #include "rve-farm/backend/service.hpp"
 #include "tests/lockstep/support.hpp"
 
@@ -72,9 +73,10 @@ struct Prepared {
 inline Prepared prepare(const fs::path& scene_file, const fs::path& cache) {
     setenv("TALIK_CACHE", cache.c_str(), 1);
     Prepared made{driver::read_scene(scene_file.string()), {}};
+    driver::complete_k0_range(made.scene);
     made.setup.parameters = made.scene.rve->parameters;
     made.setup.packings = driver::obtain_packings(*made.scene.rve, 1, true);
-    made.scene.bodies[0].density = driver::bulk_density(made.setup.packings, made.setup.parameters.grain_density);
+    if (!made.scene.bodies[0].density) made.scene.bodies[0].density = driver::bulk_density(made.setup.packings, made.setup.parameters.grain_density);
     return made;
 }
 
@@ -83,7 +85,9 @@ inline std::unique_ptr<driver::FarmLaw> farm_law(const Prepared& prepared, excha
     hello.program = "test";
     hello.run_id = 1;
     hello.scene_hash = prepared.scene.hash;
-    return std::make_unique<driver::FarmLaw>(channel, hello, prepared.setup, prepared.scene.seed);
+    auto law = std::make_unique<driver::FarmLaw>(channel, hello, prepared.setup, prepared.scene.seed);
+    law->start_at_depth(driver::Overburden(prepared.scene));
+    return law;
 }
 
 // A simulation whose law "rve" speaks through the farm's channel.

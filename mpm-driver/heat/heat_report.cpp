@@ -1,0 +1,96 @@
+// What the heat solver says of itself: step limit, balances, warnings, the columns of its state.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "mpm-driver/grid/parallel.hpp"
+#include "mpm-driver/heat/heat_solver.hpp"
+
+namespace talik::driver {
+
+HeatLimit HeatSolver::limit(const Grid& grid, const Points& points) const {
+    HeatLimit limit;
+    limit.step = 1e300;
+    const double h = grid.cell();
+    double ramp = 1e300; // K, the narrowest freezing interval
+    for (const std::size_t m : material_of_body_) {
+        const ThermalMaterial& material = materials_[m];
+        const double capacity = material.least_capacity(), conductivity = spec_.time_scale * material.most_conductivity() * material.largest_anisotropy();
+        const double step = capacity * h * h / (2.0 * conductivity); // Eq. (43) with b = 2, s
+        if (material.curve().most() > 0.0) ramp = std::min(ramp, material.curve().corners().front() - material.curve().corners().back());
+        if (step < limit.step) limit = {step, 0.0, capacity, conductivity / spec_.time_scale, 0.0};
+    }
+    if (!points.deformation.empty()) { // opened ground holds less heat per volume
+        double most = 1.0;
+        for (std::size_t p = 0; p < points.count(); ++p) most = std::max(most, points.volume[p] / points.initial_volume[p]);
+        limit.step /= most;
+    }
+    limit.automatic = 2.0 / spec_.stability * limit.step * point_size_factor_;
+    // Capacity form: a node's temperature changes by at most 2 span dt / (dt at b = 2), which must stay within the ramp.
+    if (!enthalpy_form_ && ramp < 1e300) limit.ramp_step = limit.step * ramp / (2.0 * std::max(span(), ramp));
+    return limit;
+}
+
+std::string HeatSolver::describe(const HeatLimit& limit, const Grid& grid) const {
+    std::string text = fmt::format("{:.4g} s at b = 2, {:.4g} s at b = {:g} (Eq. 43: sensible heat capacity {:.4g} J/(m^3 K), conductivity {:.4g} W/(m K), cell {:.4g} m)",
+                                   limit.step, limit.automatic, spec_.stability, limit.capacity, limit.conductivity, grid.cell());
+    if (limit.ramp_step > 0.0) text += fmt::format("; beyond {:.3g} s the capacity form jumps over its freezing interval", limit.ramp_step);
+    return text;
+}
+
+double HeatSolver::content(const Points& points) const {
+    return ordered_sums<1>(points.count(), [&](std::size_t p, std::array<double, 1>& sum) { sum[0] += points.enthalpy[p]; })[0];
+}
+
+double HeatSolver::balance_error(const Points& points) const {
+    const double scale = content_scale_ + books_.moved();
+    return scale > 0.0 ? std::abs(content(points) - books_.initial() - books_.entered()) / scale : 0.0;
+}
+
+std::pair<double, double> HeatSolver::extremes() const {
+    double least = 1e300, most = -1e300;
+    for (std::size_t node = 0; node < nodes_; ++node) {
+        if (!(volume_[node] > 0.0)) continue;
+        least = std::min(least, temperature_[node]);
+        most = std::max(most, temperature_[node]);
+    }
+    return {least, most};
+}
+
+double HeatSolver::water_volume(const Points& points) const {
+    return ordered_sums<1>(points.count(), [&](std::size_t p, std::array<double, 1>& sum) {
+        const ThermalMaterial& material = material_of(points, p);
+        const double ice = points.ice_fraction[p] * points.volume[p] / points.initial_volume[p];
+        sum[0] += points.initial_volume[p] * material.water_volume(material.ice_volume(1.0) > 0.0 ? ice / material.ice_volume(1.0) : 0.0);
+    })[0];
+}
+
+double HeatSolver::ice_volume(const Points& points) const {
+    return ordered_sums<1>(points.count(), [&](std::size_t p, std::array<double, 1>& sum) { sum[0] += points.ice_fraction[p] * points.volume[p]; })[0];
+}
+
+std::vector<std::string> HeatSolver::warnings() const {
+    std::vector<std::string> out;
+    for (const ThermalMaterial& material : materials_)
+        if (!material.warning().empty()) out.push_back(material.warning());
+    if (spec_.time_scale != 1.0)
+        out.push_back(fmt::format("heat runs {:g} times faster than the scene's clock: conductivities, fluxes, sources and the times of their tables are scaled together", spec_.time_scale));
+    if (!enthalpy_form_) out.push_back("heat in the capacity form: energy is not conserved where steps jump over the freezing interval (balance.heat)");
+    return out;
+}
+
+std::vector<StateColumn> HeatSolver::state() {
+    std::vector<StateColumn> columns = books_.state();
+    if (!memory_.empty()) {
+        columns.push_back({"heat/memory", "J/m3", "enthalpy of the nodes less what their points map to it", {""}, memory_.data(), memory_.size()});
+        columns.push_back({"heat/place", "m", "of the points when that was made", {"x", "y"}, place_.front().data(), place_.size()});
+    } else if (enthalpy_form_) {
+        columns.push_back({"heat/node_enthalpy", "J/m3", "of nodes whose points rest", {""}, enthalpy_.data(), enthalpy_.size()});
+    }
+    if (!enthalpy_form_) columns.push_back({"heat/node_state", "C", "temperature of nodes whose points rest", {"temperature", "frozen"}, &state_.front().temperature, state_.size()});
+    columns.push_back({"heat/clock", "SI", "time s, steps", {"time", "steps"}, &clock_.time, 1});
+    return columns;
+}
+
+} // namespace talik::driver

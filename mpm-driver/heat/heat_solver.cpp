@@ -1,0 +1,408 @@
+#include "mpm-driver/heat/heat_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "common/base/error.hpp"
+#include "mpm-driver/grid/parallel.hpp"
+#include "mpm-driver/heat/initial_field.hpp"
+#include "mpm-driver/points/kinematics.hpp"
+
+namespace talik::driver {
+namespace {
+
+std::vector<ThermalMaterial> made_materials(const HeatSpec& spec) {
+    std::vector<ThermalMaterial> materials;
+    for (const ThermalMaterialSpec& material : spec.materials) materials.emplace_back(material);
+    return materials;
+}
+
+} // namespace
+
+HeatSolver::HeatSolver(const Scene& scene, const Grid& grid, const Supports& supports, const std::vector<double>& half_size, Points& points)
+    : spec_(*scene.heat), enthalpy_form_(spec_.formulation == "enthalpy"), materials_(made_materials(spec_)), held_(spec_, grid), entries_(held_.names()),
+      nodes_(static_cast<std::size_t>(grid.node_count())) {
+    for (const BodySpec& body : scene.bodies) {
+        const auto found = std::find_if(materials_.begin(), materials_.end(), [&](const ThermalMaterial& m) { return m.name() == body.material; });
+        require(found != materials_.end(), "body '" + body.name + "' has no thermal material", "give it one of the [[heat.material]]s");
+        material_of_body_.push_back(static_cast<std::size_t>(found - materials_.begin()));
+        frozen_at_start_.push_back(body.frozen ? 1.0 : 0.0);
+    }
+    const std::size_t n = points.count(), m = materials_.size();
+    for (auto* column : {&volume_, &enthalpy_, &temperature_, &power_, &rate_}) column->assign(nodes_, 0.0);
+    for (auto* column : {&share_, &material_enthalpy_, &potential_, &frozen_, &change_}) column->assign(m * nodes_, 0.0);
+    state_.assign(nodes_, {});
+    later_.reserve(nodes_);
+    if (enthalpy_form_ && points.mechanical) {
+        memory_.assign(nodes_, 0.0);
+        place_ = points.position;
+        excess_.assign(n, 0.0);
+    }
+    ensure(m <= most_materials);
+    flow_.assign(n, Vector::Zero());
+    for (auto* column : {&points.enthalpy, &points.temperature, &points.ice_saturation, &points.ice_fraction}) column->assign(n, 0.0);
+
+    for (const HeatSourceSpec& source : spec_.sources) {
+        sources_.push_back({TimeValue(source.value, "\"" + source.name + "\""), source_factors(source, scene.bodies, points)});
+        entries_.push_back(source.name);
+    }
+    any_source_ = !sources_.empty();
+    source_.assign(n, 0.0);
+    entries_.push_back("source of the program");
+    for (std::size_t b = 0; b < half_size.size(); ++b) point_size_factor_ = std::min(point_size_factor_, 4.0 * half_size[b] / grid.cell());
+    set_temperature(grid, supports, points, initial_temperatures(scene.bodies, points));
+    const std::string idle = held_.idle_heater(grid, volume_);
+    require(idle.empty(), "the heater '" + idle + "' lies outside the ground", "put it where a body is");
+}
+
+void HeatSolver::set_temperature(const Grid& grid, const Supports& supports, Points& points, const std::vector<double>& temperature) {
+    lowest_ = std::min(held_.least(), *std::min_element(temperature.begin(), temperature.end()));
+    highest_ = std::max(held_.most(), *std::max_element(temperature.begin(), temperature.end()));
+    for (std::size_t p = 0; p < points.count(); ++p) {
+        points.temperature[p] = temperature[p];
+        points.enthalpy[p] = points.initial_volume[p] * material_of(points, p).enthalpy({temperature[p], frozen_at_start_[static_cast<std::size_t>(points.body[p])]}); // J
+    }
+    clock_ = {};
+    books_.open(entries_.size(), content(points));
+    double size = 0.0; // the scale of the balance: also what a cooling or warming by the whole span would move
+    for (std::size_t p = 0; p < points.count(); ++p) size += std::abs(points.enthalpy[p]);
+    content_scale_ = size;
+    nodes_from_points(supports, points);
+    show(grid, supports, points);
+}
+
+void HeatSolver::restored(const Grid& grid, const Supports& supports, Points& points) {
+    show(grid, supports, points);
+}
+
+void HeatSolver::show(const Grid& grid, const Supports& supports, Points& points) {
+    invert_nodes();
+    held_.update(grid, volume_, spec_.time_scale * clock_.time, true);
+    hold_temperatures(clock_.time, clock_.time);
+    publish(supports, points);
+}
+
+void HeatSolver::advance(const Grid& grid, const Supports& supports, Points& points, double dt, int substeps, bool moved) {
+    if (moved) moved_nodes_from_points(grid, supports, points);
+    held_.update(grid, volume_, spec_.time_scale * clock_.time, moved);
+    std::fill(change_.begin(), change_.end(), 0.0);
+    for (int k = 0; k < substeps; ++k) substep(grid, supports, points, dt / substeps);
+    enthalpy_form_ ? points_from_nodes(supports, points) : temperatures_from_nodes(supports, points);
+    if (enthalpy_form_ && moved) remember(supports, points);
+    hold_temperatures(clock_.time, clock_.time);
+    publish(supports, points);
+}
+
+void HeatSolver::substep(const Grid& grid, const Supports& supports, Points& points, double dt) {
+    const double begin = clock_.time, end = begin + dt;
+    held_.update(grid, volume_, spec_.time_scale * begin, false);
+    hold_temperatures(begin, end);
+    heat_flow(supports, points);
+    source_power(points, begin, end);
+    nodal_power(supports, begin, end);
+    if (!enthalpy_form_) nodal_capacities();
+    rates(grid, dt);
+    if (enthalpy_form_) {
+        advance_nodes(dt);
+    } else {
+        advance_temperatures(dt);
+    }
+    clock_.time = end;
+    clock_.steps += 1.0;
+    invert_nodes();
+    watch_range();
+}
+
+void HeatSolver::nodes_from_points(const Supports& supports, const Points& points) {
+    const std::size_t count = materials_.size();
+    each(nodes_, [&](std::size_t node) {
+        double heat = 0.0, volume = 0.0;
+        for (std::size_t m = 0; m < count; ++m) share_[at(m, node)] = 0.0;
+        supports.each_point_of(node, [&](std::uint32_t p, double phi, const Vector&) {
+            const double part = phi * points.initial_volume[p]; // m^3
+            heat += phi * points.enthalpy[p];                    // J
+            volume += part;
+            share_[at(material_of_body_[static_cast<std::size_t>(points.body[p])], node)] += part;
+        });
+        volume_[node] = volume;
+        enthalpy_[node] = volume > 0.0 ? heat / volume : 0.0; // H_I, Eq. (18) for enthalpy, J/m^3
+        for (std::size_t m = 0; m < count; ++m) share_[at(m, node)] = volume > 0.0 ? share_[at(m, node)] / volume : 0.0;
+    });
+    if (!enthalpy_form_) temperatures_to_nodes(supports, points);
+}
+
+void HeatSolver::invert_nodes() {
+    each(nodes_, [&](std::size_t node) {
+        if (volume_[node] > 0.0) invert_node(node);
+    });
+}
+
+void HeatSolver::invert_node(std::size_t node) {
+    const std::size_t count = materials_.size();
+    std::size_t present = 0, only = 0;
+    for (std::size_t m = 0; m < count; ++m)
+        if (share_[at(m, node)] > 0.0) ++present, only = m;
+    if (enthalpy_form_) {
+        if (present == 1) {
+            state_[node] = materials_[only].state_of(enthalpy_[node]);
+        } else {
+            double shares[most_materials];
+            for (std::size_t m = 0; m < count; ++m) shares[m] = share_[at(m, node)];
+            state_[node] = state_of_mixture(materials_, shares, enthalpy_[node]);
+        }
+    }
+    temperature_[node] = state_[node].temperature;
+    for (std::size_t m = 0; m < count; ++m) {
+        if (!(share_[at(m, node)] > 0.0)) continue;
+        frozen_[at(m, node)] = materials_[m].frozen_fraction(state_[node]);
+        material_enthalpy_[at(m, node)] = present == 1 && enthalpy_form_ ? enthalpy_[node] : materials_[m].enthalpy(state_[node]);
+        potential_[at(m, node)] = materials_[m].potential(temperature_[node]);
+    }
+}
+
+// Mean over the step of what is held, so that a changing value enters exactly.
+void HeatSolver::hold_temperatures(double begin, double end) {
+    const double scale = spec_.time_scale;
+    for (const HeldNodes::Held& held : held_.held()) {
+        const auto node = static_cast<std::size_t>(held.node);
+        temperature_[node] = held_.value(held.entry).mean(scale * begin, scale * end);
+        for (std::size_t m = 0; m < materials_.size(); ++m)
+            if (share_[at(m, node)] > 0.0) potential_[at(m, node)] = materials_[m].potential(temperature_[node]);
+    }
+}
+
+void HeatSolver::heat_flow(const Supports& supports, const Points& points) {
+    const bool deforms = !points.deformation.empty();
+    each(points.count(), [&](std::size_t p) {
+        const std::size_t m = material_of_body_[static_cast<std::size_t>(points.body[p])];
+        const ThermalMaterial& material = materials_[m];
+        Vector gradient = Vector::Zero(); // of Theta, W/m^2
+        supports.each_node_of(p, [&](std::size_t node, double phi, const Vector& slope) {
+            if (phi > 0.0) gradient += potential_[at(m, node)] * slope;
+        });
+        Matrix tensor = material.anisotropy();
+        double ratio = 1.0; // of the conductivity opened or pressed to that of the initial volume
+        if (deforms) {
+            const double stretch = points.volume[p] / points.initial_volume[p];
+            const double frozen = points.ice_fraction[p] * stretch / std::max(material.ice_volume(1.0), 1e-300);
+            if (stretch > 1.0) ratio = material.conductivity(frozen, stretch) / material.conductivity(frozen);
+            if (material.spec().turns) {
+                const Matrix turn = rotation(polar_angle(points.deformation[p]));
+                tensor = turn * tensor * turn.transpose();
+            }
+        }
+        flow_[p] = -spec_.time_scale * ratio * points.volume[p] * (tensor * gradient); // V_p q_p, Eq. (10), W m
+    });
+}
+
+void HeatSolver::source_power(const Points& points, double begin, double end) {
+    if (!any_source_ && !extra_source_) return;
+    const double scale = spec_.time_scale, dt = end - begin;
+    std::fill(source_.begin(), source_.end(), 0.0);
+    const auto add = [&](std::size_t entry, auto&& density) { // density(p): W/m^3
+        const auto power = ordered_sums<1>(points.count(), [&](std::size_t p, std::array<double, 1>& sum) {
+            const double here = scale * points.volume[p] * density(p); // W
+            source_[p] += here;
+            sum[0] += here;
+        });
+        books_.book(entry, dt * power[0]);
+    };
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+        const double value = sources_[i].value.mean(scale * begin, scale * end);
+        add(held_.names().size() + i, [&](std::size_t p) { return value * sources_[i].factor[p]; });
+    }
+    if (extra_source_) add(entries_.size() - 1, [&](std::size_t p) { return extra_source_(points.position[p], begin); });
+}
+
+void HeatSolver::nodal_power(const Supports& supports, double begin, double end) {
+    const bool sources = any_source_ || extra_source_;
+    each(nodes_, [&](std::size_t node) {
+        double power = 0.0; // Q_I = sum V_p q_p . grad phi_Ip + sum phi_Ip V_p s_p: Eqs. (20), (21), with the weak form's sign, W
+        supports.each_point_of(node, [&](std::uint32_t p, double phi, const Vector& slope) {
+            power += flow_[p].dot(slope);
+            if (sources) power += phi * source_[p];
+        });
+        power_[node] = power;
+    });
+    for (const HeldNodes::Flux& flux : held_.fluxes()) {
+        const double power = spec_.time_scale * flux.area * held_.value(flux.entry).mean(spec_.time_scale * begin, spec_.time_scale * end); // W
+        power_[static_cast<std::size_t>(flux.node)] += power;
+        books_.book(static_cast<std::size_t>(flux.entry), (end - begin) * power);
+    }
+}
+
+// d H_I / dt = Q_I / W_I, Eq. (29); of held nodes the mean of their free neighbours', else the ground at a wall would keep
+// its ice and the front lag behind. The wall gives what that takes.
+void HeatSolver::rates(const Grid& grid, double dt) {
+    const std::vector<double>& weight = enthalpy_form_ ? volume_ : enthalpy_; // m^3, or J/K
+    each(nodes_, [&](std::size_t node) { rate_[node] = volume_[node] > 0.0 ? power_[node] / weight[node] : 0.0; });
+    const int right = grid.stride(0), up = grid.stride(1);
+    const auto set = [&](const HeldNodes::Held& held, double rate) {
+        const auto node = static_cast<std::size_t>(held.node);
+        rate_[node] = rate;
+        books_.book(static_cast<std::size_t>(held.entry), dt * (rate * weight[node] - power_[node]));
+    };
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    for (const HeldNodes::Held& held : held_.held()) rate_[static_cast<std::size_t>(held.node)] = unknown;
+    for (const HeldNodes::Held& held : held_.held()) {
+        const double rate = rate_of_neighbours(held.node, right, up, false);
+        if (!std::isnan(rate)) set(held, rate);
+    }
+    for (const HeldNodes::Held& held : held_.held()) { // a second row, just outside the surface or within a heater
+        const auto node = static_cast<std::size_t>(held.node);
+        if (!std::isnan(rate_[node])) continue;
+        double rate = rate_of_neighbours(held.node, right, up, true);
+        if (std::isnan(rate)) rate = (enthalpy_form_ ? enthalpy_at_held(node) - enthalpy_[node] : temperature_[node] - state_[node].temperature) / dt;
+        later_.push_back({held, rate}); // all of the second row see the first alone
+    }
+    for (const auto& [held, rate] : later_) set(held, rate);
+    later_.clear();
+}
+
+// Mean rate of the four neighbours, or else of the diagonal ones: those that are free, or (held) held ones that have a rate.
+double HeatSolver::rate_of_neighbours(int node, int right, int up, bool held) const {
+    double sum = 0.0;
+    int count = 0;
+    const auto look = [&](int offset) {
+        const auto other = static_cast<std::size_t>(node + offset);
+        if (other >= nodes_ || held_.is_held(other) != held || !(volume_[other] > 0.0) || std::isnan(rate_[other])) return;
+        sum += rate_[other];
+        ++count;
+    };
+    for (int offset : {-right, right, -up, up}) look(offset);
+    if (count == 0)
+        for (int offset : {-right - up, right - up, -right + up, right + up}) look(offset);
+    return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+}
+
+// J/m^3 of a node at the temperature that it is held at.
+double HeatSolver::enthalpy_at_held(std::size_t node) const {
+    double sum = 0.0;
+    for (std::size_t m = 0; m < materials_.size(); ++m)
+        if (share_[at(m, node)] > 0.0) sum += share_[at(m, node)] * materials_[m].enthalpy({temperature_[node], 0.0});
+    return sum;
+}
+
+// What each material at a node takes of the node's heat: all of it where it is alone; where several meet, so that they
+// stay at one temperature (else wet ground that thaws would hand its latent heat to the dry rock beside it).
+void HeatSolver::advance_nodes(double dt) {
+    const std::size_t count = materials_.size();
+    each(nodes_, [&](std::size_t node) {
+        if (!(volume_[node] > 0.0)) return;
+        const double rise = dt * rate_[node]; // J/m^3
+        std::size_t present = 0;
+        double shares[most_materials];
+        for (std::size_t m = 0; m < count; ++m) {
+            shares[m] = share_[at(m, node)];
+            present += shares[m] > 0.0;
+        }
+        enthalpy_[node] += rise;
+        if (present < 2) {
+            for (std::size_t m = 0; m < count; ++m) change_[at(m, node)] += rise;
+            return;
+        }
+        const ThermalState next = state_of_mixture(materials_, shares, enthalpy_[node]);
+        double missing = rise;
+        for (std::size_t m = 0; m < count; ++m) {
+            if (!(shares[m] > 0.0)) continue;
+            const double own = materials_[m].enthalpy(next) - material_enthalpy_[at(m, node)];
+            change_[at(m, node)] += own;
+            missing -= shares[m] * own;
+        }
+        for (std::size_t m = 0; m < count; ++m) change_[at(m, node)] += missing; // rounding
+    });
+}
+
+// Nodes of points that may have moved: mapped anew, cut to their neighbours' range, and what the nodes remember of the
+// last step added, less where points have moved on: nothing is left of it after a quarter of a cell.
+void HeatSolver::moved_nodes_from_points(const Grid& grid, const Supports& supports, Points& points) {
+    nodes_from_points(supports, points);
+    invert_nodes();
+    if (!enthalpy_form_) return;
+    limit_to_neighbours(supports, points, grid.cell());
+    nodes_from_points(supports, points);
+    each(nodes_, [&](std::size_t node) {
+        if (!(volume_[node] > 0.0)) return;
+        double farthest = 0.0; // m
+        supports.each_point_of(node, [&](std::uint32_t p, double, const Vector&) { farthest = std::max(farthest, (points.position[p] - place_[p]).norm()); });
+        enthalpy_[node] += std::max(0.0, 1.0 - 4.0 * farthest / grid.cell()) * memory_[node];
+    });
+    invert_nodes();
+}
+
+void HeatSolver::remember(const Supports& supports, const Points& points) {
+    each(nodes_, [&](std::size_t node) {
+        double heat = 0.0;
+        supports.each_point_of(node, [&](std::uint32_t p, double phi, const Vector&) { heat += phi * points.enthalpy[p]; });
+        memory_[node] = volume_[node] > 0.0 ? enthalpy_[node] - heat / volume_[node] : 0.0;
+    });
+    place_ = points.position;
+}
+
+void HeatSolver::points_from_nodes(const Supports& supports, Points& points) {
+    each(points.count(), [&](std::size_t p) {
+        const std::size_t m = material_of_body_[static_cast<std::size_t>(points.body[p])];
+        double rise = 0.0; // J/m^3
+        supports.each_node_of(p, [&](std::size_t node, double phi, const Vector&) {
+            if (phi > 0.0) rise += phi * change_[at(m, node)];
+        });
+        points.enthalpy[p] += points.initial_volume[p] * rise;
+    });
+}
+
+// Points keep differences among each other that their nodes cannot see: once the ice of a node has melted, a point that
+// was thawed before holds too much and its neighbour too little, in balance. When they move apart that would show as heat
+// and cold. So a moving point's enthalpy is cut to the range of its nodes', and what is cut off goes to the nodes and back
+// to all their points: nothing is lost, and a field that varies smoothly is not touched.
+void HeatSolver::limit_to_neighbours(const Supports& supports, Points& points, double cell) {
+    each(points.count(), [&](std::size_t p) {
+        const std::size_t m = material_of_body_[static_cast<std::size_t>(points.body[p])];
+        double least = 1e300, most = -1e300;
+        supports.each_node_of(p, [&](std::size_t node, double phi, const Vector&) {
+            if (!(phi > 0.0)) return;
+            least = std::min(least, material_enthalpy_[at(m, node)]);
+            most = std::max(most, material_enthalpy_[at(m, node)]);
+        });
+        const double volume = points.initial_volume[p], density = points.enthalpy[p] / volume;
+        const bool moved = (points.position[p] - place_[p]).norm() > 1e-9 * cell; // points at rest are left alone
+        excess_[p] = moved ? volume * (density - std::clamp(density, least, most)) : 0.0;
+    });
+    each(nodes_, [&](std::size_t node) {
+        double heat = 0.0;
+        supports.each_point_of(node, [&](std::uint32_t p, double phi, const Vector&) { heat += phi * excess_[p]; });
+        rate_[node] = volume_[node] > 0.0 ? heat / volume_[node] : 0.0; // J/m^3
+    });
+    each(points.count(), [&](std::size_t p) {
+        double back = 0.0;
+        supports.each_node_of(p, [&](std::size_t node, double phi, const Vector&) { back += phi * rate_[node]; });
+        points.enthalpy[p] += points.initial_volume[p] * back - excess_[p];
+    });
+}
+
+void HeatSolver::watch_range() {
+    double worst = 0.0; // K
+    for (std::size_t node = 0; node < nodes_; ++node)
+        if (volume_[node] > 0.0 && !held_.is_held(node))
+            worst = std::max({worst, state_[node].temperature - highest_, lowest_ - state_[node].temperature});
+    books_.see_temperature_outside(worst);
+}
+
+void HeatSolver::publish(const Supports& supports, Points& points) {
+    each(points.count(), [&](std::size_t p) {
+        const std::size_t m = material_of_body_[static_cast<std::size_t>(points.body[p])];
+        double temperature = 0.0, frozen = 0.0;
+        supports.each_node_of(p, [&](std::size_t node, double phi, const Vector&) {
+            if (!(phi > 0.0)) return;
+            temperature += phi * temperature_[node];
+            frozen += phi * frozen_[at(m, node)];
+        });
+        if (enthalpy_form_) points.temperature[p] = temperature;
+        points.ice_saturation[p] = materials_[m].ice_saturation(frozen);
+        points.ice_fraction[p] = materials_[m].ice_volume(frozen) * points.initial_volume[p] / points.volume[p]; // theta_s, -
+    });
+}
+
+} // namespace talik::driver

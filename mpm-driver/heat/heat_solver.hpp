@@ -1,0 +1,152 @@
+#pragma once
+// Heat with phase change on the grid, points and shapes of the mechanics. Eqs. (1)-(4), (9), (10), (16)-(21), (26), (27), (29).
+//
+// Enthalpy form (default). Points carry joules. A step:
+//   nodes from points    H_I = sum phi_Ip E_p / W_I,  W_I = sum phi_Ip V_p^0;  temperature and ice by exact inversion of H_I
+//   heat flow            q_p = -A grad Theta, Theta the integral of the conductivity over temperature
+//   nodal power          Q_I = sum V_p grad phi_Ip . q_p + sources + fluxes
+//   nodes                H_I += dt Q_I / W_I
+//   points from nodes    E_p += V_p^0 sum phi_Ip (change of H_I): what nodes receive, points receive, to rounding
+// While points rest the nodes keep their H_I from step to step. Mapped anew from the points in every step it would be smeared
+// over the neighbours (a freezing front then lags by an eighth of a cell for good). The difference between the two is
+// remembered where points move, and forgotten as they move on. Energy is what the points carry, whatever the nodes remember.
+// Held nodes have their temperature for the gradient; the rate of their enthalpy is their free neighbours', and the
+// difference to Q_I is the heat of the wall, which is booked.
+//
+// Capacity form (the paper's). Points carry temperature; the nodes' capacity is C(T) = rho c + latent, Eq. (A2), at their
+// old temperature. The remapped temperature of Eq. (37) is output, never the state.
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mpm-driver/app/scene.hpp"
+#include "mpm-driver/grid/grid.hpp"
+#include "mpm-driver/heat/heat_books.hpp"
+#include "mpm-driver/heat/held_nodes.hpp"
+#include "mpm-driver/heat/thermal_material.hpp"
+#include "mpm-driver/mechanics/supports.hpp"
+#include "mpm-driver/points/points.hpp"
+
+namespace talik::driver {
+
+// The largest stable step, Eq. (43): dt <= C h^2 / (b k), C the sensible capacity, k the largest conductivity.
+struct HeatLimit {
+    double step = 0.0;      // s, at b = 2: a larger one is refused
+    double automatic = 0.0; // s, at the scene's b
+    double capacity = 0.0, conductivity = 0.0; // that set it, J/(m^3 K), W/(m K)
+    double ramp_step = 0.0; // s, of the capacity form: beyond it a step jumps over the freezing interval; 0 = none
+};
+
+// Materials that may meet at a node.
+constexpr std::size_t most_materials = 8;
+
+class HeatSolver {
+public:
+    // Gives the points their first enthalpy. The supports must be up to date.
+    HeatSolver(const Scene& scene, const Grid& grid, const Supports& supports, const std::vector<double>& half_size, Points& points);
+
+    // On by dt, in equal sub-steps. moved: points may have moved since the last call.
+    void advance(const Grid& grid, const Supports& supports, Points& points, double dt, int substeps, bool moved);
+    void restored(const Grid& grid, const Supports& supports, Points& points); // after state() was filled, of points at rest
+
+    HeatLimit limit(const Grid& grid, const Points& points) const;
+    std::string describe(const HeatLimit& limit, const Grid& grid) const;
+
+    double time() const { return clock_.time; }         // s, of the scene
+    double steps() const { return clock_.steps; }       // sub-steps taken
+    bool enthalpy_form() const { return enthalpy_form_; }
+    const std::vector<ThermalMaterial>& materials() const { return materials_; }
+    const ThermalMaterial& material_of(const Points& points, std::size_t p) const { return materials_[material_of_body_[static_cast<std::size_t>(points.body[p])]]; }
+    const HeatBooks& books() const { return books_; }
+    const std::vector<std::string>& entries() const { return entries_; } // names of the books' entries
+    const std::vector<double>& node_temperature() const { return temperature_; } // held ones included, degrees C
+    const std::vector<double>& node_volume() const { return volume_; }           // W_I, m^3; 0 = no material
+    const HeldNodes& held_nodes() const { return held_; }
+
+    double content(const Points& points) const;          // J, sum of the points' enthalpy
+    double balance_error(const Points& points) const;    // relative to the heat held at the start and moved since
+    std::pair<double, double> extremes() const;          // least and most temperature of the nodes, held ones included, degrees C
+    double water_volume(const Points& points) const;     // m^3
+    double ice_volume(const Points& points) const;       // m^3
+    double span() const { return highest_ - lowest_; }   // K, of initial and held temperatures
+    std::vector<std::string> warnings() const;
+
+    // W/m^3 at a point of space and a time, beside the scene's sources (for manufactured solutions).
+    void set_source(std::function<double(const Vector&, double)> source) { extra_source_ = std::move(source); }
+    // Starts anew from these temperatures of the points.
+    void set_temperature(const Grid& grid, const Supports& supports, Points& points, const std::vector<double>& temperature);
+
+    std::vector<StateColumn> state();
+
+private:
+    struct Source {
+        TimeValue value;
+        std::vector<double> factor; // by point: 0 where it does not act
+    };
+    void show(const Grid& grid, const Supports& supports, Points& points);
+    void nodes_from_points(const Supports& supports, const Points& points);
+    void moved_nodes_from_points(const Grid& grid, const Supports& supports, Points& points);
+    void remember(const Supports& supports, const Points& points);
+    void invert_nodes();
+    void invert_node(std::size_t node);
+    void hold_temperatures(double begin, double end);
+    void heat_flow(const Supports& supports, const Points& points);
+    void source_power(const Points& points, double begin, double end);
+    void nodal_power(const Supports& supports, double begin, double end);
+    void rates(const Grid& grid, double dt);
+    void advance_nodes(double dt);
+    void points_from_nodes(const Supports& supports, Points& points);
+    void limit_to_neighbours(const Supports& supports, Points& points, double cell);
+    void watch_range();
+    void publish(const Supports& supports, Points& points);
+    double rate_of_neighbours(int node, int right, int up, bool held) const; // NaN where there is none
+    double enthalpy_at_held(std::size_t node) const;
+    void substep(const Grid& grid, const Supports& supports, Points& points, double dt);
+
+    // The paper's form, in capacity_form.cpp.
+    void temperatures_to_nodes(const Supports& supports, const Points& points);
+    void nodal_capacities();
+    void advance_temperatures(double dt);
+    void temperatures_from_nodes(const Supports& supports, Points& points);
+
+    std::size_t at(std::size_t material, std::size_t node) const { return material * nodes_ + node; }
+
+    HeatSpec spec_;
+    bool enthalpy_form_;
+    std::vector<ThermalMaterial> materials_;
+    std::vector<std::size_t> material_of_body_;
+    std::vector<double> frozen_at_start_;      // by body: the share of a sharp front that is frozen, where it starts at T0
+    HeldNodes held_;
+    std::vector<Source> sources_;
+    std::function<double(const Vector&, double)> extra_source_;
+    std::vector<std::string> entries_;
+    HeatBooks books_;
+    struct Clock { double time = 0.0, steps = 0.0; } clock_;
+    double lowest_ = 1e300, highest_ = -1e300; // of initial and held temperatures, degrees C
+    double point_size_factor_ = 1.0;           // of the automatic step: min(1, 4 l_p / h)
+    double content_scale_ = 0.0;               // sum of |E_p| at the start, J: the balance is relative to it and what has moved
+
+    // Nodes. Columns by material: `material * nodes + node`.
+    std::size_t nodes_;
+    std::vector<double> volume_;                 // W_I, m^3
+    std::vector<double> share_;                  // of a material in W_I, -
+    std::vector<double> enthalpy_;               // H_I, J/m^3 (capacity form: C_I, J/K)
+    std::vector<ThermalState> state_;            // by inversion
+    std::vector<double> temperature_;            // for the gradient, degrees C
+    std::vector<double> material_enthalpy_, potential_, frozen_; // by material: J/m^3, W/m, -
+    std::vector<double> power_;                  // Q_I, W
+    std::vector<double> rate_;                   // of H_I, W/m^3 (capacity form: of T_I, K/s)
+    std::vector<double> change_;                 // of H by material since the points were last brought up to date, J/m^3
+    std::vector<double> memory_;                 // H_I less what its points map to it, J/m^3: where points may move
+    // Points.
+    std::vector<Vector> place_;                  // where memory_ was made, m
+    std::vector<Vector> flow_;                   // V_p q_p, W m
+    std::vector<double> source_;                 // V_p s_p, W
+    std::vector<double> excess_;                 // J, cut off by the neighbours' range
+    std::vector<std::pair<HeldNodes::Held, double>> later_; // held nodes of a second row, and their rate
+    bool any_source_ = false;
+};
+
+} // namespace talik::driver

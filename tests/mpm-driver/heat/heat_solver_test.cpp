@@ -1,0 +1,258 @@
+#include "mpm-driver/heat/heat_solver.hpp"
+
+#include <cmath>
+
+#include "tests/mpm-driver/fault_text.hpp"
+#include "tests/mpm-driver/heat/small_heat.hpp"
+#include "tests/support/catch.hpp"
+
+using namespace talik;
+using namespace talik::driver;
+using namespace talik::driver::tests;
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+// Error of T = 2 + cos(pi x) cos(2 pi y) exp(-5 pi^2 t) on the unit box at t = 0.02, root mean square over the points.
+double decay_error(int cells) {
+    ThermalMaterialSpec spec = unit_material(1.0);
+    spec.curve = "none";
+    spec.water_conductivity = 1.0;
+    auto simulation = start_heat(heat_scene(spec, {1, 1}, 1.0 / cells, 2.0));
+    const auto exact = [](const Vector& x, double t) { return 2.0 + std::cos(pi * x[0]) * std::cos(2 * pi * x[1]) * std::exp(-5 * pi * pi * t); };
+    std::vector<double> start;
+    for (const Vector& x : simulation->points().position) start.push_back(exact(x, 0.0));
+    simulation->set_temperature(start);
+    const double end = 0.02;
+    while (simulation->time() < end * (1 - 1e-9)) simulation->step(std::min(simulation->next_step(), end - simulation->time()));
+    double sum = 0.0;
+    const Points& points = simulation->points();
+    for (std::size_t p = 0; p < points.count(); ++p) sum += std::pow(points.temperature[p] - exact(points.position[p], end), 2);
+    return std::sqrt(sum / static_cast<double>(points.count()));
+}
+
+Scene freezing_square() {
+    Scene scene = heat_scene(soil_material(), {0.4, 0.3}, 0.05, 3.0);
+    scene.heat->boundaries = {held_side("left", -4.0), held_side("top", -2.0)};
+    return scene;
+}
+
+} // namespace
+
+TEST_CASE("a decaying cosine field is met with second order", "[eq20][eq21][eq27]") {
+    // Bilinear shapes, lumped capacity, dt ~ h^2: each of second order.
+    const double coarse = decay_error(10), middle = decay_error(20), fine = decay_error(40);
+    WARN("cosine field, 10, 20, 40 cells: errors " << coarse << ", " << middle << ", " << fine << ": orders " << std::log2(coarse / middle) << ", " << std::log2(middle / fine));
+    CHECK(std::log2(middle / fine) > 1.8);
+    CHECK(fine < 2e-3); // of an amplitude of 1 at the start
+}
+
+TEST_CASE("fifty freeze-thaw cycles of a closed column follow the exact curve and end where they began", "[eq9][eq3]") {
+    for (const std::string curve : {"ramp", "fine", "saturation"}) {
+        ThermalMaterialSpec spec = soil_material();
+        spec.curve = curve;
+        spec.residual_temperature = curve == "ramp" ? -0.5 : 0.0;
+        Scene scene = heat_scene(spec, {0.1, 1.0}, 0.1, 2.0);
+        const double cycle = 40 * 86400.0, power = 250.0; // s, W/m^3: 1.4e8 J/m^3 of latent heat are passed in each half
+        HeatSourceSpec source;
+        source.name = "cycles";
+        source.value.constant = 0.0;
+        source.value.amplitude = power;
+        source.value.period = cycle;
+        source.value.shift = 0.5 * cycle; // cools first
+        scene.heat->sources = {source};
+        scene.step.fixed = cycle / 500.0;
+        scene.heat->stability = 2.0;
+        REQUIRE(*scene.step.fixed > 0.0);
+        auto simulation = start_heat(scene);
+        scene.step.fixed.reset();
+        const HeatSolver& heat = *simulation->heat();
+        const ThermalMaterial material(spec);
+        const double limit = heat.limit(simulation->grid(), simulation->points()).step;
+        const double step = cycle / std::ceil(cycle / limit), h0 = material.enthalpy({2.0, 0.0}), first = heat.content(simulation->points());
+        double worst_t = 0.0, worst_ice = 0.0, coldest = 0.0;
+        const auto steps_per_cycle = static_cast<int>(std::lround(cycle / step));
+        for (int k = 1; k <= 50 * steps_per_cycle; ++k) {
+            simulation->step(step);
+            if (k % 7 != 0) continue;
+            // Exact: H = H0 - P (cycle / 2 pi) (1 - cos(2 pi t / cycle))
+            const ThermalState exact = material.state_of(h0 - power * cycle / (2 * pi) * (1.0 - std::cos(2 * pi * heat.time() / cycle)));
+            const Points& points = simulation->points();
+            for (std::size_t p = 0; p < points.count(); p += 9) {
+                worst_t = std::max(worst_t, std::abs(points.temperature[p] - exact.temperature));
+                worst_ice = std::max(worst_ice, std::abs(points.ice_fraction[p] - material.ice_volume(material.frozen_fraction(exact))));
+            }
+            coldest = std::min(coldest, exact.temperature);
+        }
+        WARN("50 cycles, " << curve << ": temperature off by " << worst_t << " K, ice by " << worst_ice << ", coldest " << coldest << " C");
+        CHECK(worst_t < 1e-9);
+        CHECK(worst_ice < 1e-9);
+        CHECK(coldest < -1.0);
+        CHECK(std::abs(heat.content(simulation->points()) / first - 1.0) < 1e-9);
+        CHECK(balance(*simulation) < 1e-12);
+    }
+}
+
+TEST_CASE("in anisotropic ground a warm spot spreads by twice the conductivity tensor over the capacity", "[eq10]") {
+    ThermalMaterialSpec spec = unit_material(1.0);
+    spec.curve = "none";
+    spec.water_conductivity = 1.0;
+    spec.anisotropy = {1.5, 0.6, 0.5};
+    auto simulation = start_heat(heat_scene(spec, {4, 4}, 0.1, 0.0));
+    std::vector<double> spot;
+    for (const Vector& x : simulation->points().position) spot.push_back(std::exp(-(x - Vector(2, 2)).squaredNorm() / (2 * 0.09)));
+    simulation->set_temperature(spot);
+    const auto moments = [&] {
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        double all = 0.0;
+        const Points& points = simulation->points();
+        for (std::size_t p = 0; p < points.count(); ++p) {
+            const Vector d = points.position[p] - Vector(2, 2);
+            all += points.enthalpy[p];
+            sum += points.enthalpy[p] * Eigen::Vector3d(d[0] * d[0], d[1] * d[1], d[0] * d[1]);
+        }
+        return Eigen::Vector3d(sum / all);
+    };
+    const Eigen::Vector3d before = moments();
+    while (simulation->time() < 0.1) simulation->step(simulation->next_step());
+    const Eigen::Vector3d grown = (moments() - before) / (2.0 * simulation->time());
+    // Exact for the moments of the infinite field; the box at 6 standard deviations cuts 1e-4 of them, and mapping to the
+    // points adds a fixed (3/16) h^2 for what has moved.
+    CHECK((grown - Eigen::Vector3d(1.5, 0.6, 0.5)).norm() < 0.02);
+}
+
+TEST_CASE("walls, corners, heaters and fluxes are booked to rounding, and held ground takes its temperature", "[eq21]") {
+    Scene scene = freezing_square();
+    HeaterSpec heater;
+    heater.name = "heater";
+    heater.box = {Vector(0.2, 0.1), Vector(0.25, 0.15)};
+    heater.value.constant = 12.0;
+    heater.begins = 1e5;
+    heater.ends = 3e5;
+    scene.heat->heaters = {heater};
+    HeatBoundarySpec flux = held_side("right", 20.0);
+    flux.kind = "flux";
+    flux.from = 0.1;
+    flux.to = 0.25;
+    scene.heat->boundaries.push_back(flux);
+    auto simulation = start_heat(scene);
+    double warmest = 0.0;
+    while (simulation->time() < 4e5) {
+        simulation->step(simulation->next_step());
+        warmest = std::max(warmest, *std::max_element(simulation->points().temperature.begin(), simulation->points().temperature.end()));
+    }
+    CHECK(balance(*simulation) < 1e-12);
+    CHECK(warmest > 9.0); // at the points around the heater's nodes
+    CHECK(warmest <= 12.0);
+    const HeatBooks& books = simulation->heat()->books();
+    CHECK(books.heat(2) == Approx(20.0 * 0.15 * simulation->time()).epsilon(1e-12)); // W/m^2 * m^2 * s
+    CHECK(books.heat(3) > 0.0);
+}
+
+TEST_CASE("dry rock beside wet ground that freezes stays in the range of temperatures", "[eq9]") {
+    Scene scene = freezing_square();
+    ThermalMaterialSpec rock = soil_material();
+    rock.name = "rock";
+    rock.porosity = 0.01;
+    rock.curve = "none";
+    scene.heat->materials.push_back(rock);
+    scene.bodies[0].polygon = {{0, 0}, {0.2, 0}, {0.2, 0.3}, {0, 0.3}};
+    BodySpec other = box({0.2, 0}, {0.4, 0.3});
+    other.name = "rock";
+    other.law = "none";
+    other.material = "rock";
+    other.temperature = 3.0;
+    scene.bodies.push_back(other);
+    auto simulation = start_heat(scene);
+    while (simulation->time() < 2e6) simulation->step(simulation->next_step());
+    CHECK(balance(*simulation) < 1e-12);
+    CHECK(simulation->heat()->books().overshoot() < 1e-6); // of a span of 7 K
+}
+
+TEST_CASE("heat alone has no column of mechanics, mechanics alone none of heat", "[effects]") {
+    auto alone = start_heat(freezing_square());
+    CHECK(alone->points().velocity.capacity() == 0);
+    CHECK(alone->points().stress.capacity() == 0);
+    CHECK(alone->points().deformation.capacity() == 0);
+    CHECK(alone->grid().mass.capacity() == 0);
+    CHECK(alone->laws().empty());
+    CHECK(alone->schedule().table_of_contents() == std::vector<std::string>{"heat"});
+    auto mechanics = start(elastic_scene(box({0, 0}, {0.4, 0.4}), {0, 0}, {1, 1}));
+    CHECK(mechanics->heat() == nullptr);
+    CHECK(mechanics->points().enthalpy.capacity() == 0);
+    for (const std::string& row : mechanics->schedule().table_of_contents()) CHECK(row != "heat");
+}
+
+TEST_CASE("heat gives the same bits for any number of threads", "[heat][threads]") {
+    Scene scene = freezing_square();
+    scene.domain.cell = 0.01; // 1200 cells: loops worth threads
+    auto one = start_heat(scene, 1);
+    for (int k = 0; k < 40; ++k) one->step(one->next_step());
+    auto two = start_heat(scene, 2);
+    for (int k = 0; k < 40; ++k) two->step(two->next_step());
+    const bool same_heat = one->points().enthalpy == two->points().enthalpy, same_temperature = one->points().temperature == two->points().temperature;
+    CHECK(same_heat);
+    CHECK(same_temperature);
+    CHECK(one->heat()->books().entered() == two->heat()->books().entered());
+}
+
+TEST_CASE("a run of heat goes on from its state bit by bit, alone, with mechanics, and in the capacity form", "[heat][restart]") {
+    Scene alone = freezing_square();
+    Scene moving = alone;
+    make_moving(moving, {0.4, 0.2}, 200.0);
+    Scene capacity = alone;
+    capacity.heat->formulation = "capacity";
+    capacity.heat->materials[0].residual_temperature = -0.5;
+    for (const Scene& scene : {alone, moving, capacity}) {
+        const auto prepared = [&] {
+            auto s = start_heat(scene);
+            PrescribedField field;
+            field.velocity = Vector(1e-5, 3e-6);
+            if (s->mechanics()) s->prescribe(field);
+            return s;
+        };
+        auto whole = prepared(), first = prepared(), second = prepared();
+        for (int k = 0; k < 60; ++k) whole->step(whole->next_step());
+        for (int k = 0; k < 31; ++k) first->step(first->next_step());
+        auto from = first->state(), to = second->state();
+        REQUIRE(from.size() == to.size());
+        for (std::size_t c = 0; c < from.size(); ++c) std::copy(from[c].data, from[c].data + from[c].size(), to[c].data);
+        second->restored();
+        for (int k = 31; k < 60; ++k) second->step(second->next_step());
+        const bool same_heat = second->points().enthalpy == whole->points().enthalpy, same_temperature = second->points().temperature == whole->points().temperature;
+        CHECK(same_heat);
+        CHECK(same_temperature);
+        CHECK(second->heat()->books().entered() == whole->heat()->books().entered());
+    }
+}
+
+TEST_CASE("a step beyond the limit of heat is refused, and said with the limit", "[eq43]") {
+    Scene scene = freezing_square();
+    auto simulation = start_heat(scene);
+    const HeatLimit limit = simulation->heat()->limit(simulation->grid(), simulation->points());
+    // C h^2 / (2 k) of the frozen soil: sensible heat capacity and the largest conductivity
+    CHECK(limit.step == Approx((0.57 * 2650 * 900 + 430 * 2100) * 0.0025 / (2 * std::pow(2.92, 0.57) * std::pow(2.24, 0.43))));
+    CHECK(limit.automatic == Approx(0.5 * limit.step));
+    const std::string fault = fault_of([&] { simulation->step(1.01 * limit.step); });
+    CHECK(says(fault, "is beyond the largest stable one of heat"));
+    CHECK(says(fault, "use step = \"auto\", or at most"));
+    CHECK(fault_of([&] { simulation->step(limit.step); }) == "");
+}
+
+TEST_CASE("a scene on a faster clock of heat runs through the same states in less of its time", "[heat][time_scale]") {
+    Scene slow = freezing_square();
+    slow.heat->boundaries[0].value.amplitude = 3.0;
+    slow.heat->boundaries[0].value.period = 1e5;
+    Scene fast = slow;
+    fast.heat->time_scale = 86400.0;
+    auto a = start_heat(slow), b = start_heat(fast);
+    for (int k = 0; k < 200; ++k) {
+        a->step(400.0);
+        b->step(400.0 / 86400.0);
+    }
+    for (std::size_t p = 0; p < a->points().count(); ++p) REQUIRE(b->points().temperature[p] == Approx(a->points().temperature[p]).margin(1e-9));
+    CHECK(b->heat()->books().entered() == Approx(a->heat()->books().entered()).epsilon(1e-9));
+    REQUIRE(b->heat()->warnings().size() == 1);
+    CHECK(says(b->heat()->warnings()[0], "86400 times faster"));
+}
