@@ -8,7 +8,7 @@
 namespace talik {
 namespace {
 
-constexpr std::uint32_t setup_version = 2;
+constexpr std::uint32_t setup_version = 3;
 
 void put_parameters(ByteWriter& out, const RveParameters& p) {
     out.put(p.contact.normal_stiffness);
@@ -28,6 +28,7 @@ void put_parameters(ByteWriter& out, const RveParameters& p) {
     out.put(p.time_step);
     out.put(static_cast<std::int32_t>(p.substeps));
     out.put(p.skin);
+    out.text(p.precision);
 }
 
 RveParameters get_parameters(ByteReader& in) {
@@ -50,6 +51,7 @@ RveParameters get_parameters(ByteReader& in) {
     p.time_step = in.get<double>();
     p.substeps = in.get<std::int32_t>();
     p.skin = in.get<double>();
+    p.precision = in.text();
     return p;
 }
 

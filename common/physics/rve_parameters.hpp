@@ -2,6 +2,7 @@
 // What the material of an RVE is, apart from where its discs lie: read from a scene or a test specification, carried by
 // the exchange to the farm. SI units; absent effects are empty optionals, and cost nothing.
 #include <optional>
+#include <string>
 
 namespace talik {
 
@@ -30,7 +31,8 @@ struct RveParameters {
     bool fluctuation_stress = false; // the kinetic part -(1/V) sum m v_f v_f of the stress, and its reaction on v_f
     double time_step = 1e-5;         // largest DEM sub-step, s: n = ceil(dt_macro / time_step)
     int substeps = 0;                // sub-steps per macro step where the scene fixes them; 0 = from time_step
-    double skin = 0.0;               // of the neighbour list, m; 0 = chosen from the mean radius
+    double skin = 0.0;               // of the neighbour list, m; 0 = chosen as it goes, from how fast it is used up
+    std::string precision = "double"; // of the kernels, "double" or "single"; the state is double always
 };
 
 } // namespace talik

@@ -13,6 +13,7 @@
 #include "common/packing/packing_file.hpp"
 #include "exchange/process.hpp"
 #include "rve-farm/app/commands.hpp"
+#include "rve-farm/app/kernel_options.hpp"
 #include "rve-farm/app/specification.hpp"
 #include "rve-farm/element/element_doubts.hpp"
 #include "rve-farm/element/element_output.hpp"
@@ -27,6 +28,7 @@ struct ElementOptions {
     std::string specification, output = "out/element";
     std::vector<std::string> overrides;
     int threads = 0;
+    KernelOptions kernel;
     bool quiet = false, keys = false, plot = true;
 };
 
@@ -56,10 +58,13 @@ void element(const ElementOptions& options) {
     const ElementSpec spec = read_element_specification(options.specification, options.overrides, dump);
     const auto packings = packings_of(spec.rve, options.threads, options.quiet);
     for (const std::string& doubt : doubts_before(spec.test, packings)) log::warn("{}", doubt);
+    FarmOptions farm;
+    farm.threads = options.threads;
+    options.kernel.choose(farm);
     std::vector<ElementCurve> curves;
     {
         Progress progress(spec.test.path, options.quiet);
-        curves = run_element_test(spec.test, spec.rve.parameters, packings, options.threads,
+        curves = run_element_test(spec.test, spec.rve.parameters, packings, farm,
                                   [&](double fraction) { progress.update(fraction, fmt::format("strain {:.2f} %", 100.0 * fraction * spec.test.strain)); });
     }
     write_element_curves(options.output, spec.title.empty() ? spec.test.path : spec.title, dump, curves);
@@ -84,6 +89,7 @@ void add_element(CLI::App& app) {
     command->add_option("-o,--output", options->output, "folder of the curves (CSV and HDF5)");
     command->add_option("--set", options->overrides, "key=value, overrides the file (repeatable)")->allow_extra_args(false);
     command->add_option("--threads", options->threads, "0 = all; the curves do not depend on it")->check(thread_count());
+    options->kernel.add_to(*command);
     command->add_flag("!--no-plot", options->plot, "writes the curves without a picture");
     command->add_flag("--quiet", options->quiet, "warnings and errors only");
     command->add_flag("--keys", options->keys, "lists every key of a test");

@@ -11,13 +11,15 @@
 #include "common/base/version.hpp"
 #include "exchange/shm_channel.hpp"
 #include "rve-farm/app/commands.hpp"
+#include "rve-farm/app/kernel_options.hpp"
 #include "rve-farm/backend/service.hpp"
 
 namespace talik::farm {
 namespace {
 
 struct ServeOptions {
-    std::string exchange, backend = "auto", precision = "double";
+    std::string exchange, backend = "auto";
+    KernelOptions kernel;
     int threads = 0;
     double stall_seconds = 120.0, attach_seconds = 60.0;
     bool quiet = false;
@@ -36,15 +38,16 @@ std::unique_ptr<exchange::Channel> join(const ServeOptions& options) {
 
 int serve(const ServeOptions& options) {
     require(options.backend != "cuda", "--backend cuda: this build of rve-farm has no CUDA backend", "use --backend cpu");
-    require(options.precision == "double", "--precision " + options.precision + ": this build of rve-farm computes in double only",
-            "use --precision double");
+    FarmOptions farm;
+    farm.threads = options.threads;
+    options.kernel.choose(farm);
     log::start("rve-farm", options.quiet);
     watch_interrupts();
     std::unique_ptr<exchange::Channel> channel;
     try {
         channel = join(options);
         exchange::with_cause(*channel, [&] {
-            Service service(options.threads);
+            Service service(farm);
             exchange::FarmEnd(*channel, service, "rve-farm " + version()).serve();
         });
     } catch (const Error& error) {
@@ -65,7 +68,7 @@ void add_serve(CLI::App& app, int& exit) {
                     "  rve-farm serve --exchange shm:slope --threads 2      (and: mpm-driver run scene.toml --exchange shm:slope)");
     command->add_option("--exchange", options->exchange, "shm:NAME")->required();
     command->add_option("--backend", options->backend, "auto, cpu or cuda")->check(CLI::IsMember({"auto", "cpu", "cuda"}));
-    command->add_option("--precision", options->precision, "double (single comes with the fast kernels)")->check(CLI::IsMember({"single", "double"}));
+    options->kernel.add_to(*command);
     command->add_option("--threads", options->threads, "0 = all")->check(CLI::NonNegativeNumber);
     command->add_option("--stall-seconds", options->stall_seconds, "how long a silent driver is waited for")->check(CLI::PositiveNumber);
     command->add_option("--attach-seconds", options->attach_seconds, "how long the exchange is waited for")->check(CLI::PositiveNumber);

@@ -11,7 +11,7 @@
 
 #include "common/base/error.hpp"
 #include "rve-farm/assembly/neighbours.hpp"
-#include "rve-farm/kernel/physics_choice.hpp"
+#include "rve-farm/physics/physics_choice.hpp"
 
 namespace talik::farm {
 namespace {

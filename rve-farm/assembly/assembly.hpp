@@ -8,7 +8,7 @@
 #include "common/packing/packing.hpp"
 #include "common/physics/rve_parameters.hpp"
 #include "rve-farm/assembly/columns.hpp"
-#include "rve-farm/kernel/slot_layout.hpp"
+#include "rve-farm/assembly/slot_layout.hpp"
 #include "rve-farm/physics/contact.hpp"
 
 namespace talik::farm {

@@ -10,7 +10,7 @@
 #include "common/base/error.hpp"
 #include "common/physics/clock.hpp"
 #include "rve-farm/assembly/stable_step.hpp"
-#include "rve-farm/kernel/physics_choice.hpp"
+#include "rve-farm/physics/physics_choice.hpp"
 
 namespace talik::farm {
 namespace {
@@ -23,15 +23,16 @@ void check_step(const Assembly& assembly, const ContactLaw<double>& contact, dou
             fmt::format("the largest stable step of its contact network is {:.3g} s; take a fraction of it", stable));
 }
 
-const Kernel& kernel_of(const FarmOptions& options) {
-    return kernel(options.level ? *options.level : best_level(), options.precision);
+const Kernel& kernel_of(const FarmOptions& options, const RveParameters& parameters) {
+    const Precision asked = parameters.precision == "single" ? Precision::single_ : Precision::double_;
+    return farm::kernel(options.level.value_or(best_level()), options.precision.value_or(asked));
 }
 
 } // namespace
 
 Farm::Farm(const RveParameters& parameters, const std::vector<Packing>& packings, const std::vector<int>& packing_of_rve,
            FarmOptions options)
-    : options_(std::move(options)), stepper_{parameters, &kernel_of(options_), options_.ledger, options_.shuffle_seed} {
+    : options_(std::move(options)), stepper_{parameters, &kernel_of(options_, parameters), options_.ledger, options_.shuffle_seed} {
     check(parameters);
     if (options_.threads <= 0) options_.threads = omp_get_max_threads();
     std::vector<Assembly> prototypes;

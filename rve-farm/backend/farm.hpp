@@ -23,7 +23,7 @@ namespace talik::farm {
 struct FarmOptions {
     int threads = 0; // 0 = all that OpenMP offers
     std::optional<Level> level;               // of the instructions; none = the best that this machine has
-    Precision precision = Precision::double_; // of the kernel; the state is double always
+    std::optional<Precision> precision;       // of the kernel; none = the parameters'
     bool ledger = true;                       // book work and dissipation: a twentieth of the time or so
     // Tests: the plain kernel, every phase in an order scrambled by this seed (ShuffledTeam); must give the same bits.
     std::optional<std::uint64_t> shuffle_seed;

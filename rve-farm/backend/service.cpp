@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/base/error.hpp"
+#include "common/base/log.hpp"
 #include "common/io/byte_stream.hpp"
 #include "common/io/hdf5_file.hpp"
 #include "common/packing/farm_setup.hpp"
@@ -13,7 +14,10 @@
 namespace talik::farm {
 namespace {
 
-constexpr const char* format = "talik-farm-checkpoint 1";
+constexpr const char* format = "talik-farm-checkpoint 2";
+
+std::string kernel_in_words(const Kernel& kernel) { return std::string(name_of(kernel.precision)) + " precision, " + name_of(kernel.level); }
+
 using Reader = double (*)(const Answer&);
 
 // How each column the farm offers is read from an answer: one row per column, one reader per component.
@@ -47,6 +51,9 @@ void Service::agreed(const exchange::Hello& driver) {
     request_columns_ = exchange::ColumnTable(driver.request_columns);
     answer_columns_ = exchange::ColumnTable(driver.answer_columns);
     readers_.clear();
+    books_energies_ = false;
+    for (const char* energy : {"friction_dissipation", "damping_dissipation", "bond_dissipation", "work"})
+        books_energies_ = books_energies_ || answer_columns_.index(energy) >= 0; // nobody asks: nothing is booked
     for (const Column& column : answer_columns_.columns())
         for (Reader reader : readers().at(column.name)) readers_.push_back(reader);
 }
@@ -54,8 +61,8 @@ void Service::agreed(const exchange::Hello& driver) {
 std::vector<std::byte> Service::configure(std::span<const std::byte> payload, exchange::Channel& progress) {
     const FarmSetup setup = decode_farm_setup(payload);
     progress_ = &progress;
-    FarmOptions options;
-    options.threads = threads_;
+    FarmOptions options = options_;
+    options.ledger = books_energies_;
     options.on_rve_done = [this] {
         if (progress_) progress_->advance_progress(farm_->rves_done(), progress_total_);
     };
@@ -144,6 +151,7 @@ void Service::checkpoint(const std::string& path) {
     file.write("/rves/bytes", plain(bytes));
     file.write("/rves/ends", ends);
     file.write("/answers", plain(memory.bytes()));
+    file.write_text("/kernel", kernel_in_words(farm().kernel()));
     file.close();
     exchange::seal(path);
 }
@@ -152,6 +160,8 @@ void Service::restore(const std::string& path) {
     exchange::require_sealed(path);
     const Hdf5File file = Hdf5File::open(path);
     file.require_format(format);
+    const std::string then = file.read_text("/kernel"), now = kernel_in_words(farm().kernel());
+    if (then != now) log::warn("{} was written by kernels of {}, these are of {}: the run goes on, but not to the same bits", path, then, now);
     const auto bytes = file.read<std::uint8_t>("/rves/bytes").values;
     const auto ends = file.read<std::int64_t>("/rves/ends").values;
     const auto answers = file.read<std::uint8_t>("/answers").values;

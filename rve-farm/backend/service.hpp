@@ -11,7 +11,7 @@ namespace talik::farm {
 
 class Service : public exchange::FarmService {
 public:
-    explicit Service(int threads) : threads_(threads) {}
+    explicit Service(FarmOptions options) : options_(std::move(options)) {}
 
     std::vector<Column> understands() const override;
     std::vector<Column> offers() const override;
@@ -27,7 +27,8 @@ public:
 private:
     Farm& farm();
 
-    int threads_;
+    FarmOptions options_;
+    bool books_energies_ = true;
     exchange::ColumnTable request_columns_, answer_columns_;
     std::vector<double (*)(const Answer&)> readers_; // of each component of the agreed answer columns
     std::optional<Farm> farm_;

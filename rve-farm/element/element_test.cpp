@@ -26,8 +26,8 @@ ServoTargets targets_of(const ElementTest& test) {
 // Many RVEs along one path, each with a servo of its own.
 class Bench {
 public:
-    Bench(const ElementTest& test, const RveParameters& parameters, const std::vector<Packing>& packings, int threads)
-        : test_(test), farm_(parameters, packings, one_each(packings.size()), options(threads)), ids_(packings.size()), increments_(4 * packings.size()),
+    Bench(const ElementTest& test, const RveParameters& parameters, const std::vector<Packing>& packings, const FarmOptions& options)
+        : test_(test), farm_(parameters, packings, one_each(packings.size()), options), ids_(packings.size()), increments_(4 * packings.size()),
           ice_(parameters.bond ? packings.size() : 0, test.ice_saturation), answers_(packings.size()), strains_(4 * packings.size(), 0.0) {
         std::iota(ids_.begin(), ids_.end(), 0u);
         for (std::size_t i = 0; i < ids_.size(); ++i) answers_[i] = farm_.measure(static_cast<int>(i));
@@ -65,11 +65,6 @@ public:
     }
 
 private:
-    static FarmOptions options(int threads) {
-        FarmOptions o;
-        o.threads = threads;
-        return o;
-    }
     static std::vector<int> one_each(std::size_t count) {
         std::vector<int> each(count);
         std::iota(each.begin(), each.end(), 0);
@@ -109,8 +104,8 @@ private:
 } // namespace
 
 std::vector<ElementCurve> run_element_test(const ElementTest& test, const RveParameters& parameters, const std::vector<Packing>& packings,
-                                           int threads, const std::function<void(double)>& progress) {
-    Bench bench(test, parameters, packings, threads);
+                                           const FarmOptions& options, const std::function<void(double)>& progress) {
+    Bench bench(test, parameters, packings, options);
     bench.make_ready();
     std::vector<ElementCurve> curves(packings.size());
     bench.record(curves, 0, 0.0);

@@ -6,7 +6,7 @@
 
 #include "common/packing/packing.hpp"
 #include "common/physics/rve_parameters.hpp"
-#include "rve-farm/assembly/answer.hpp"
+#include "rve-farm/backend/farm.hpp"
 
 namespace talik::farm {
 
@@ -33,8 +33,8 @@ struct ElementRow {
 };
 using ElementCurve = std::vector<ElementRow>; // first row: before loading
 
-// One curve for each packing. threads = 0: all. progress: fraction done and the strain reached.
+// One curve for each packing. options: threads and kernel. progress: fraction done and the strain reached.
 std::vector<ElementCurve> run_element_test(const ElementTest& test, const RveParameters& parameters, const std::vector<Packing>& packings,
-                                           int threads = 0, const std::function<void(double)>& progress = {});
+                                           const FarmOptions& options = {}, const std::function<void(double)>& progress = {});
 
 } // namespace talik::farm

@@ -1,7 +1,7 @@
 #pragma once
 // How a branch has changed since the start of a chunk, from the motion of its end along its first direction n0 and across:
 // differences of small numbers never come from large ones, so that floats keep every digit of a slow thaw.
-#include "rve-farm/kernel/real.hpp"
+#include "rve-farm/physics/real.hpp"
 
 namespace talik::farm {
 

@@ -1,7 +1,7 @@
 #pragma once
 // The law of one disc in one sub-step, by component: Newton for the non-affine motion (Eqs. 44-46). One text for a scalar
 // component and for a pack of rows, in which each lane is a component of some disc.
-#include "rve-farm/kernel/real.hpp"
+#include "rve-farm/physics/real.hpp"
 
 namespace talik::farm {
 

@@ -12,7 +12,7 @@
 #include "common/physics/rve_parameters.hpp"
 #include "rve-farm/assembly/answer.hpp"
 #include "rve-farm/assembly/columns.hpp"
-#include "rve-farm/kernel/slot_layout.hpp"
+#include "rve-farm/assembly/slot_layout.hpp"
 
 namespace talik::farm {
 

@@ -8,7 +8,7 @@
 #include "rve-farm/kernel/chunk.hpp"
 #include "rve-farm/kernel/disc_step.hpp"
 #include "rve-farm/kernel/lanes.hpp"
-#include "rve-farm/kernel/physics_choice.hpp"
+#include "rve-farm/physics/physics_choice.hpp"
 
 namespace talik::farm::inline HWY_NAMESPACE {
 

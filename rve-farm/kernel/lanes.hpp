@@ -8,7 +8,7 @@
 
 #include <cstdint>
 
-#include "rve-farm/kernel/real.hpp"
+#include "rve-farm/physics/real.hpp"
 
 namespace talik::farm::inline HWY_NAMESPACE {
 

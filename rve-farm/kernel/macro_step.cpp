@@ -6,7 +6,7 @@
 #include "rve-farm/assembly/neighbours.hpp"
 #include "rve-farm/assembly/stable_step.hpp"
 #include "rve-farm/kernel/branch_motion.hpp"
-#include "rve-farm/kernel/physics_choice.hpp"
+#include "rve-farm/physics/physics_choice.hpp"
 
 namespace talik::farm {
 namespace {

@@ -1,7 +1,7 @@
 // The plain kernel: the phases of a sub-step on a team, one slot after the other.
 #include "rve-farm/kernel/chunk.hpp"
 #include "rve-farm/kernel/disc_step.hpp"
-#include "rve-farm/kernel/physics_choice.hpp"
+#include "rve-farm/physics/physics_choice.hpp"
 #include "rve-farm/kernel/plain_kernel.hpp"
 
 namespace talik::farm {

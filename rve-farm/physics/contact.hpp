@@ -1,6 +1,6 @@
 #pragma once
 // The contact of two discs without a bond, Eqs. (5a)-(5c) of the paper.
-#include "rve-farm/kernel/real.hpp"
+#include "rve-farm/physics/real.hpp"
 
 namespace talik::farm {
 

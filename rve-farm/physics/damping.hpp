@@ -1,6 +1,6 @@
 #pragma once
 // Local non-viscous damping (Cundall) of the non-affine motion, per component in co-rotated axes.
-#include "rve-farm/kernel/real.hpp"
+#include "rve-farm/physics/real.hpp"
 
 namespace talik::farm {
 

@@ -46,6 +46,12 @@ inline Answer step(Farm& farm, const std::array<double, 4>& increment, double ti
     return answer;
 }
 
+inline FarmOptions threads(int count) {
+    FarmOptions options;
+    options.threads = count;
+    return options;
+}
+
 inline double mean_pressure(const Answer& answer) { return -(answer.stress[0] + answer.stress[1]) / 2; }
 
 // What the ledger of an RVE leaves unexplained between two answers, J.

@@ -32,7 +32,7 @@ ElementTest test_of(const std::string& path, double strain) {
     return test;
 }
 
-ElementCurve run(const ElementTest& test, const RveParameters& parameters = {}) { return run_element_test(test, parameters, {medium()}, 1).at(0); }
+ElementCurve run(const ElementTest& test, const RveParameters& parameters = {}) { return run_element_test(test, parameters, {medium()}, samples::threads(1)).at(0); }
 
 } // namespace
 
@@ -108,8 +108,8 @@ TEST_CASE("settling brings all three stresses to the pressure before loading") {
 TEST_CASE("many RVEs side by side give the curves that each gives alone, for any number of threads") {
     const Packing loose = read_packing_csv(yade + "packing_loose_particles.csv", yade + "packing_loose_contacts.csv");
     const ElementTest test = test_of("biaxial", 0.002);
-    const auto both = run_element_test(test, {}, {medium(), loose, medium()}, 2);
-    const auto alone = run_element_test(test, {}, {loose}, 1);
+    const auto both = run_element_test(test, {}, {medium(), loose, medium()}, samples::threads(2));
+    const auto alone = run_element_test(test, {}, {loose}, samples::threads(1));
     for (std::size_t k = 0; k < alone[0].size(); ++k) {
         CHECK(both[1][k].answer.stress == alone[0][k].answer.stress);
         CHECK(both[0][k].answer.stress == both[2][k].answer.stress);

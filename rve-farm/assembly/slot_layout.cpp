@@ -1,4 +1,4 @@
-#include "rve-farm/kernel/slot_layout.hpp"
+#include "rve-farm/assembly/slot_layout.hpp"
 
 #include <algorithm>
 
