@@ -8,6 +8,7 @@ namespace talik::farm {
 
 void add_pack(CLI::App& app);
 void add_element(CLI::App& app);
+void add_bench(CLI::App& app);
 void add_serve(CLI::App& app, int& exit); // exit: the code that the program ends with
 
 } // namespace talik::farm

@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     talik::farm::add_pack(app);
     talik::farm::add_element(app);
+    talik::farm::add_bench(app);
     int exit = 0;
     talik::farm::add_serve(app, exit);
     return talik::run_program([&] {

@@ -35,6 +35,7 @@ Farm::Farm(const RveParameters& parameters, const std::vector<Packing>& packings
     : options_(std::move(options)), stepper_{parameters, &kernel_of(options_, parameters), options_.ledger, options_.shuffle_seed} {
     check(parameters);
     if (options_.threads <= 0) options_.threads = omp_get_max_threads();
+    if (options_.time_stages) stages_.resize(static_cast<std::size_t>(options_.threads));
     std::vector<Assembly> prototypes;
     for (const Packing& packing : packings) {
         prototypes.emplace_back(parameters, packing);
@@ -64,10 +65,17 @@ void Farm::advance(std::span<const std::uint32_t> ids, std::span<const double> i
         if (!ice_saturation.empty()) rebond(static_cast<int>(ids[row]), ice_saturation[row]);
         const double* g = increments.data() + 4 * row;
         const double beta = full_strength * (ice_saturation.empty() ? 1.0 : ice_saturation[row]); // Eq. (8)
-        answers[row] = farm::advance(stepper_, assemblies_[ids[row]], {g[0], g[1], g[2], g[3], time_increment, asked, beta});
+        answers[row] = farm::advance(stepper_, assemblies_[ids[row]], {g[0], g[1], g[2], g[3], time_increment, asked, beta},
+                                    stages_.empty() ? nullptr : &stages_[static_cast<std::size_t>(omp_get_thread_num())]);
         rves_done_->fetch_add(1, std::memory_order_relaxed);
         if (options_.on_rve_done) options_.on_rve_done();
     }
+}
+
+StageSeconds Farm::stages() const {
+    StageSeconds sum;
+    for (const StageSeconds& s : stages_) sum.load += s.load, sum.inner += s.inner, sum.close += s.close, sum.rebuild += s.rebuild;
+    return sum;
 }
 
 Assembly& Farm::assembly(int id) {

@@ -25,6 +25,7 @@ struct FarmOptions {
     std::optional<Level> level;               // of the instructions; none = the best that this machine has
     std::optional<Precision> precision;       // of the kernel; none = the parameters'
     bool ledger = true;                       // book work and dissipation: a twentieth of the time or so
+    bool time_stages = false;                 // for Farm::stages
     // Tests: the plain kernel, every phase in an order scrambled by this seed (ShuffledTeam); must give the same bits.
     std::optional<std::uint64_t> shuffle_seed;
     // Called by the thread that finished an RVE, from several threads at once: only for advancing progress counters.
@@ -68,6 +69,9 @@ public:
     void save(int id, std::vector<std::byte>& bytes) const;
     std::size_t load(int id, std::span<const std::byte> bytes);
 
+    // Where the time of all threads has gone since the farm was made, s; zeros unless asked for in the options.
+    StageSeconds stages() const;
+
     // RVEs finished since the farm was made; readable from any thread.
     std::uint64_t rves_done() const { return rves_done_->load(std::memory_order_relaxed); }
 
@@ -78,6 +82,7 @@ private:
 
     FarmOptions options_;
     Stepper stepper_;
+    std::vector<StageSeconds> stages_; // by thread
     std::vector<Assembly> assemblies_;
     std::unique_ptr<std::atomic<std::uint64_t>> rves_done_ = std::make_unique<std::atomic<std::uint64_t>>(0); // movable
 };

@@ -1,6 +1,8 @@
 #pragma once
 // What every kernel does before and after the sub-steps of a chunk: the state in slot order and displacement form, and
 // back, with the sums that an RVE answers. Plain loops over slots, index i writing only slot i, for any team.
+#include <time.h>
+
 #include <cmath>
 
 #include "rve-farm/kernel/contact_step.hpp"
@@ -28,6 +30,25 @@ struct ChunkMotion {
     TALIK_HOST_DEVICE CellMotion<Real> as() const {
         return {Real(xx), Real(xy), Real(yx), Real(yy)};
     }
+};
+
+// The clock of a chunk's stages, read only where they are asked for.
+template <class Level>
+class StageClock {
+public:
+    explicit StageClock(bool on) : on_(on) { lap(); }
+    double lap() { // seconds since the last lap
+        if (!on_) return 0;
+        timespec now;
+        clock_gettime(CLOCK_MONOTONIC, &now);
+        const double seconds = static_cast<double>(now.tv_sec - last_.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec - last_.tv_nsec);
+        last_ = now;
+        return seconds;
+    }
+
+private:
+    bool on_;
+    timespec last_{};
 };
 
 // Of a kernel's ledger, J.
@@ -311,12 +332,14 @@ void close_chunk(const ChunkRequest& request, const ChunkMotion& cell, const Con
 
 // The last word on a chunk: is it sound, has the list held, and then everything of close_chunk.
 template <class Real, class Level>
-void finish(const ChunkRequest& request, const ChunkMotion& cell, const ContactLaw<double>& law, const SlotLayout& layout, Work<Real, Level>& w,
+void finish(const ChunkRequest& request, StageClock<Level>& clock, const ChunkMotion& cell, const ContactLaw<double>& law, const SlotLayout& layout, Work<Real, Level>& w,
             AssemblyView& s, const ChunkLedger& ledger, double largest_displacement, bool owner_sums_are_ready, ChunkOutcome& outcome) {
+    outcome.inner_seconds = clock.lap();
     outcome.largest_displacement = largest_displacement;
     outcome.finite = displacements_are_finite(w);
     outcome.accepted = outcome.finite && (request.substeps == 0 || largest_displacement <= request.displacement_allowed);
     if (outcome.accepted) close_chunk(request, cell, law, layout, w, s, ledger, owner_sums_are_ready, outcome);
+    outcome.close_seconds = clock.lap();
 }
 
 // Ledger of work, V sigma : D dt = -(f_old + f_new)/2 . (D b) dt of every contact: the trapezoid that leapfrog conserves.

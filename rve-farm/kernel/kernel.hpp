@@ -29,7 +29,8 @@ struct ChunkRequest {
     double beta = 1;        // beta_b of Eq. (8), -
     double displacement_allowed = 0; // of any disc, non-affine, m: beyond it the chunk is not given back
     bool give_back = true;  // the state; else only the sums
-    bool ledger = true;     // book work and dissipation
+    bool ledger = true;       // book work and dissipation
+    bool time_stages = false;
 };
 
 struct ChunkOutcome {
@@ -39,6 +40,7 @@ struct ChunkOutcome {
     Stretch stretch, last_stretch;   // of the sub-step that would come next, and of the last one
     double strain = 0;               // bound of the relative change of any length
     Answer answer;                   // of the state at the end; only where accepted
+    double load_seconds = 0, inner_seconds = 0, close_seconds = 0; // where asked for
 };
 
 // Memory of a thread that kernels work in: grows to the largest RVE it has met.

@@ -225,6 +225,7 @@ ChunkOutcome run_lanes(const Physics& physics, const ContactLaw<double>& law, co
                        const SlotLayout& layout, WorkMemory& memory) {
     using P = Pack<T>;
     const SerialTeam team;
+    StageClock<ThisLevel> clock(request.time_stages);
     LaneWork<T> w(memory, layout, columns, ledger, false);
     load_discs(team, s, layout, w);
     load_contacts(team, s, layout, law, w);
@@ -240,6 +241,7 @@ ChunkOutcome run_lanes(const Physics& physics, const ContactLaw<double>& law, co
     WorkLedger work(ledger ? virial_at_start(w, layout) : Virial<double>{});
     Stretch stretch = request.stretch;
     P largest_squared;
+    outcome.load_seconds = clock.lap();
     for (int step = 0; step < request.substeps; ++step) {
         DiscBooks of_discs;
         move_discs<ledger>(physics, layout, stretch.change(), static_cast<T>(step == 0 ? request.first_kick : request.sub_step), static_cast<T>(request.sub_step), w,
@@ -260,7 +262,7 @@ ChunkOutcome run_lanes(const Physics& physics, const ContactLaw<double>& law, co
     }
     outcome.stretch = stretch;
     const double largest = largest_squared.largest();
-    finish(request, cell, law, layout, w, s, booked, std::sqrt(largest), true, outcome);
+    finish(request, clock, cell, law, layout, w, s, booked, std::sqrt(largest), true, outcome);
     return outcome;
 }
 

@@ -1,6 +1,7 @@
 #include "rve-farm/kernel/macro_step.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "rve-farm/assembly/neighbours.hpp"
@@ -34,14 +35,17 @@ ChunkFit fit(const AssemblyNumbers& n, double strain, int substeps) {
 // Takes up to `substeps` sub-steps on one list: rebuilds it where it is spent or is about to be, shortens the chunk where
 // even a fresh list would not outlast it. Returns how many were taken; 0 with a status where none could be.
 int take_chunk(const Stepper& stepper, Assembly& rve, int substeps, const Stretch& stretch, double sub_step, double beta, ChunkOutcome& outcome,
-               Status& status) {
+               Status& status, StageSeconds* stages) {
     AssemblyView& s = rve.view();
     AssemblyNumbers& n = *s.numbers;
     const double strain = stretch.largest_strain(); // of a sub-step; the same in every one of the macro step
     bool fresh = n.list_substeps == 0;
     const auto rebuild = [&] {
+        const auto begin = std::chrono::steady_clock::now();
         fresh = true;
         status = rebuild_neighbours(s, rve.columns());
+        if (status == Status::ok) rve.layout().update(s, stepper.shape());
+        if (stages) stages->rebuild += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         return status == Status::ok;
     };
     if (!fresh && n.last_displacement * substeps >= fit(n, strain * substeps, substeps).by_list && !rebuild()) return 0;
@@ -55,9 +59,15 @@ int take_chunk(const Stepper& stepper, Assembly& rve, int substeps, const Stretc
         request.beta = beta;
         request.displacement_allowed = fits.allowed();
         request.ledger = stepper.ledger;
+        request.time_stages = stages != nullptr;
         rve.layout().update(s, stepper.shape());
         if (fits.allowed() > 0) {
             outcome = stepper.run(request, s, rve.columns(), rve.layout());
+            if (stages) {
+                stages->load += outcome.load_seconds;
+                stages->inner += outcome.inner_seconds;
+                stages->close += outcome.close_seconds;
+            }
             if (!outcome.finite) {
                 status = Status::not_finite;
                 return 0;
@@ -99,7 +109,7 @@ int substeps_needed(const MacroStep& step) {
     return std::max(step.substeps, static_cast<int>(std::ceil(strain / largest_strain_of_a_sub_step * (1 - 1e-12))));
 }
 
-Answer advance(const Stepper& stepper, Assembly& rve, const MacroStep& step) {
+Answer advance(const Stepper& stepper, Assembly& rve, const MacroStep& step, StageSeconds* stages) {
     AssemblyView& s = rve.view();
     AssemblyNumbers& n = *s.numbers;
     const ContactLaw<double> law = contact_law_of(stepper.parameters);
@@ -120,7 +130,7 @@ Answer advance(const Stepper& stepper, Assembly& rve, const MacroStep& step) {
     ChunkOutcome outcome;
     for (int left = substeps; left > 0;) {
         outcome = ChunkOutcome();
-        const int taken = take_chunk(stepper, rve, std::min(left, longest), stretch, sub_step, step.beta, outcome, fault.status);
+        const int taken = take_chunk(stepper, rve, std::min(left, longest), stretch, sub_step, step.beta, outcome, fault.status, stages);
         if (taken == 0) return fault;
         left -= taken;
         stretch = outcome.stretch;

@@ -15,6 +15,11 @@ struct MacroStep {
     double beta = 1;                       // beta_b of Eq. (8), -
 };
 
+// Where the time of a farm's steps has gone, s.
+struct alignas(64) StageSeconds {
+    double load = 0, inner = 0, close = 0, rebuild = 0;
+};
+
 // How a farm steps its RVEs.
 struct Stepper {
     RveParameters parameters;
@@ -37,7 +42,8 @@ constexpr double largest_strain_of_a_macro_step = 1.0;
 int substeps_needed(const MacroStep& step);
 
 // Answers the state after the step. A fault is a status, and leaves the RVE at the last good chunk.
-Answer advance(const Stepper& stepper, Assembly& rve, const MacroStep& step);
+// stages: of this thread; null where nobody asks.
+Answer advance(const Stepper& stepper, Assembly& rve, const MacroStep& step, StageSeconds* stages = nullptr);
 
 // The answer of the present state.
 Answer measure(const Stepper& stepper, const Assembly& rve);

@@ -98,6 +98,7 @@ void sum_booked(const Work<Real, Plain>& w, int slots, double (&sums)[Work<Real,
 template <bool ledger, class Real, class Team, class Physics>
 ChunkOutcome run_phases(const Team& team, const Physics& physics, const ContactLaw<double>& law, const ChunkRequest& request, AssemblyView& s,
                         const ColumnChoice& columns, const SlotLayout& layout, WorkMemory& memory) {
+    StageClock<Plain> clock(request.time_stages);
     Work<Real, Plain> w(memory, layout, columns, ledger, true);
     load_discs(team, s, layout, w);
     load_contacts(team, s, layout, law, w);
@@ -108,6 +109,7 @@ ChunkOutcome run_phases(const Team& team, const Physics& physics, const ContactL
     Stretch stretch = request.stretch;
     const Real dt = Real(request.sub_step), beta = Real(request.beta);
     double sums[Work<Real, Plain>::booked_columns], largest_squared = 0;
+    outcome.load_seconds = clock.lap();
     for (int step = 0; step < request.substeps; ++step) {
         const Symmetric d = stretch.change();
         const Real kick = Real(step == 0 ? request.first_kick : request.sub_step);
@@ -135,7 +137,7 @@ ChunkOutcome run_phases(const Team& team, const Physics& physics, const ContactL
         stretch.turn_with_the_frame();
     }
     outcome.stretch = stretch;
-    finish(request, cell, law, layout, w, s, booked, std::sqrt(largest_squared), false, outcome);
+    finish(request, clock, cell, law, layout, w, s, booked, std::sqrt(largest_squared), false, outcome);
     return outcome;
 }
 
