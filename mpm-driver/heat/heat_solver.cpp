@@ -24,7 +24,7 @@ std::vector<ThermalMaterial> made_materials(const HeatSpec& spec) {
 
 HeatSolver::HeatSolver(const Scene& scene, const Grid& grid, const Supports& supports, const std::vector<double>& half_size, Points& points)
     : spec_(*scene.heat), enthalpy_form_(spec_.formulation == "enthalpy"), materials_(made_materials(spec_)), held_(spec_, grid), entries_(held_.names()),
-      nodes_(static_cast<std::size_t>(grid.node_count())) {
+      cell_(grid.cell()), nodes_(static_cast<std::size_t>(grid.node_count())) {
     for (const BodySpec& body : scene.bodies) {
         const auto found = std::find_if(materials_.begin(), materials_.end(), [&](const ThermalMaterial& m) { return m.name() == body.material; });
         require(found != materials_.end(), "body '" + body.name + "' has no thermal material", "give it one of the [[heat.material]]s");
@@ -38,6 +38,7 @@ HeatSolver::HeatSolver(const Scene& scene, const Grid& grid, const Supports& sup
     later_.reserve(nodes_);
     if (enthalpy_form_ && points.mechanical) {
         memory_.assign(nodes_, 0.0);
+        fade_.assign(nodes_, 1.0);
         place_ = points.position;
         excess_.assign(n, 0.0);
     }
@@ -82,18 +83,19 @@ void HeatSolver::show(const Grid& grid, const Supports& supports, Points& points
     invert_nodes();
     held_.update(grid, volume_, spec_.time_scale * clock_.time, true);
     hold_temperatures(clock_.time, clock_.time);
-    publish(supports, points);
+    std::fill(change_.begin(), change_.end(), 0.0);
+    points_from_nodes(supports, points);
 }
 
 void HeatSolver::advance(const Grid& grid, const Supports& supports, Points& points, double dt, int substeps, bool moved) {
-    if (moved) moved_nodes_from_points(grid, supports, points);
+    if (moved) moved_nodes_from_points(supports, points);
     held_.update(grid, volume_, spec_.time_scale * clock_.time, moved);
     std::fill(change_.begin(), change_.end(), 0.0);
     for (int k = 0; k < substeps; ++k) substep(grid, supports, points, dt / substeps);
-    enthalpy_form_ ? points_from_nodes(supports, points) : temperatures_from_nodes(supports, points);
-    if (enthalpy_form_ && moved) remember(supports, points);
+    if (!enthalpy_form_) temperatures_from_nodes(supports, points);
     hold_temperatures(clock_.time, clock_.time);
-    publish(supports, points);
+    points_from_nodes(supports, points);
+    if (enthalpy_form_ && moved) remember(supports, points);
 }
 
 void HeatSolver::substep(const Grid& grid, const Supports& supports, Points& points, double dt) {
@@ -118,18 +120,22 @@ void HeatSolver::substep(const Grid& grid, const Supports& supports, Points& poi
 
 void HeatSolver::nodes_from_points(const Supports& supports, const Points& points) {
     const std::size_t count = materials_.size();
+    const bool moving = !memory_.empty();
     each(nodes_, [&](std::size_t node) {
-        double heat = 0.0, volume = 0.0;
-        for (std::size_t m = 0; m < count; ++m) share_[at(m, node)] = 0.0;
+        double heat = 0.0, volume = 0.0, farthest2 = 0.0; // J, m^3, m^2: how far its points have gone since the last step
+        double parts[most_materials] = {};
         supports.each_point_of(node, [&](std::uint32_t p, double phi, const Vector&) {
             const double part = phi * points.initial_volume[p]; // m^3
             heat += phi * points.enthalpy[p];                    // J
             volume += part;
-            share_[at(material_of_body_[static_cast<std::size_t>(points.body[p])], node)] += part;
+            if (count > 1) parts[material_of_body_[static_cast<std::size_t>(points.body[p])]] += part;
+            if (moving) farthest2 = std::max(farthest2, (points.position[p] - place_[p]).squaredNorm());
         });
         volume_[node] = volume;
         enthalpy_[node] = volume > 0.0 ? heat / volume : 0.0; // H_I, Eq. (18) for enthalpy, J/m^3
-        for (std::size_t m = 0; m < count; ++m) share_[at(m, node)] = volume > 0.0 ? share_[at(m, node)] / volume : 0.0;
+        if (count == 1) share_[node] = volume > 0.0 ? 1.0 : 0.0;
+        else for (std::size_t m = 0; m < count; ++m) share_[at(m, node)] = volume > 0.0 ? parts[m] / volume : 0.0;
+        if (moving) fade_[node] = std::max(0.0, 1.0 - 4.0 * std::sqrt(farthest2) / cell_);
     });
     if (!enthalpy_form_) temperatures_to_nodes(supports, points);
 }
@@ -318,18 +324,15 @@ void HeatSolver::advance_nodes(double dt) {
 
 // Nodes of points that may have moved: mapped anew, cut to their neighbours' range, and what the nodes remember of the
 // last step added, less where points have moved on: nothing is left of it after a quarter of a cell.
-void HeatSolver::moved_nodes_from_points(const Grid& grid, const Supports& supports, Points& points) {
+void HeatSolver::moved_nodes_from_points(const Supports& supports, Points& points) {
     nodes_from_points(supports, points);
-    invert_nodes();
-    if (!enthalpy_form_) return;
-    limit_to_neighbours(supports, points, grid.cell());
-    nodes_from_points(supports, points);
-    each(nodes_, [&](std::size_t node) {
-        if (!(volume_[node] > 0.0)) return;
-        double farthest = 0.0; // m
-        supports.each_point_of(node, [&](std::uint32_t p, double, const Vector&) { farthest = std::max(farthest, (points.position[p] - place_[p]).norm()); });
-        enthalpy_[node] += std::max(0.0, 1.0 - 4.0 * farthest / grid.cell()) * memory_[node];
-    });
+    if (enthalpy_form_) {
+        if (materials_.size() > 1) invert_nodes();
+        if (limit_to_neighbours(supports, points)) nodes_from_points(supports, points);
+        each(nodes_, [&](std::size_t node) {
+            if (volume_[node] > 0.0) enthalpy_[node] += fade_[node] * memory_[node];
+        });
+    }
     invert_nodes();
 }
 
@@ -342,34 +345,28 @@ void HeatSolver::remember(const Supports& supports, const Points& points) {
     place_ = points.position;
 }
 
-void HeatSolver::points_from_nodes(const Supports& supports, Points& points) {
-    each(points.count(), [&](std::size_t p) {
-        const std::size_t m = material_of_body_[static_cast<std::size_t>(points.body[p])];
-        double rise = 0.0; // J/m^3
-        supports.each_node_of(p, [&](std::size_t node, double phi, const Vector&) {
-            if (phi > 0.0) rise += phi * change_[at(m, node)];
-        });
-        points.enthalpy[p] += points.initial_volume[p] * rise;
-    });
-}
-
 // Points keep differences among each other that their nodes cannot see: once the ice of a node has melted, a point that
 // was thawed before holds too much and its neighbour too little, in balance. When they move apart that would show as heat
 // and cold. So a moving point's enthalpy is cut to the range of its nodes', and what is cut off goes to the nodes and back
 // to all their points: nothing is lost, and a field that varies smoothly is not touched.
-void HeatSolver::limit_to_neighbours(const Supports& supports, Points& points, double cell) {
-    each(points.count(), [&](std::size_t p) {
-        const std::size_t m = material_of_body_[static_cast<std::size_t>(points.body[p])];
+bool HeatSolver::limit_to_neighbours(const Supports& supports, Points& points) {
+    const bool one = materials_.size() == 1;
+    const std::vector<double>& node_enthalpy = one ? enthalpy_ : material_enthalpy_;
+    const double cut = ordered_sums<1>(points.count(), [&](std::size_t p, std::array<double, 1>& sum) {
+        excess_[p] = 0.0;
+        if ((points.position[p] - place_[p]).squaredNorm() <= 1e-18 * cell_ * cell_) return; // points at rest are left alone
+        const std::size_t m = one ? 0 : material_of_body_[static_cast<std::size_t>(points.body[p])];
         double least = 1e300, most = -1e300;
         supports.each_node_of(p, [&](std::size_t node, double phi, const Vector&) {
             if (!(phi > 0.0)) return;
-            least = std::min(least, material_enthalpy_[at(m, node)]);
-            most = std::max(most, material_enthalpy_[at(m, node)]);
+            least = std::min(least, node_enthalpy[at(m, node)]);
+            most = std::max(most, node_enthalpy[at(m, node)]);
         });
         const double volume = points.initial_volume[p], density = points.enthalpy[p] / volume;
-        const bool moved = (points.position[p] - place_[p]).norm() > 1e-9 * cell; // points at rest are left alone
-        excess_[p] = moved ? volume * (density - std::clamp(density, least, most)) : 0.0;
-    });
+        excess_[p] = volume * (density - std::clamp(density, least, most));
+        sum[0] += std::abs(excess_[p]);
+    })[0];
+    if (!(cut > 0.0)) return false;
     each(nodes_, [&](std::size_t node) {
         double heat = 0.0;
         supports.each_point_of(node, [&](std::uint32_t p, double phi, const Vector&) { heat += phi * excess_[p]; });
@@ -380,6 +377,7 @@ void HeatSolver::limit_to_neighbours(const Supports& supports, Points& points, d
         supports.each_node_of(p, [&](std::size_t node, double phi, const Vector&) { back += phi * rate_[node]; });
         points.enthalpy[p] += points.initial_volume[p] * back - excess_[p];
     });
+    return true;
 }
 
 void HeatSolver::watch_range() {
@@ -390,16 +388,22 @@ void HeatSolver::watch_range() {
     books_.see_temperature_outside(worst);
 }
 
-void HeatSolver::publish(const Supports& supports, Points& points) {
+// What the nodes have received goes to the points, and what the nodes know of temperature and ice is shown on them.
+void HeatSolver::points_from_nodes(const Supports& supports, Points& points) {
+    const bool one = materials_.size() == 1;
     each(points.count(), [&](std::size_t p) {
-        const std::size_t m = material_of_body_[static_cast<std::size_t>(points.body[p])];
-        double temperature = 0.0, frozen = 0.0;
+        const std::size_t m = one ? 0 : material_of_body_[static_cast<std::size_t>(points.body[p])];
+        double temperature = 0.0, frozen = 0.0, rise = 0.0; // degrees C, -, J/m^3
         supports.each_node_of(p, [&](std::size_t node, double phi, const Vector&) {
             if (!(phi > 0.0)) return;
             temperature += phi * temperature_[node];
             frozen += phi * frozen_[at(m, node)];
+            rise += phi * change_[at(m, node)];
         });
-        if (enthalpy_form_) points.temperature[p] = temperature;
+        if (enthalpy_form_) {
+            points.temperature[p] = temperature; // Eq. (37)
+            points.enthalpy[p] += points.initial_volume[p] * rise;
+        }
         points.ice_saturation[p] = materials_[m].ice_saturation(frozen);
         points.ice_fraction[p] = materials_[m].ice_volume(frozen) * points.initial_volume[p] / points.volume[p]; // theta_s, -
     });

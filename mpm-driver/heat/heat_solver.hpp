@@ -8,7 +8,7 @@
 //   nodes                H_I += dt Q_I / W_I
 //   points from nodes    E_p += V_p^0 sum phi_Ip (change of H_I): what nodes receive, points receive, to rounding
 // While points rest the nodes keep their H_I from step to step. Mapped anew from the points in every step it would be smeared
-// over the neighbours (a freezing front then lags by an eighth of a cell for good). The difference between the two is
+// over the neighbours (a freezing front then lags by a part of a cell for good). The difference between the two is
 // remembered where points move, and forgotten as they move on. Energy is what the points carry, whatever the nodes remember.
 // Held nodes have their temperature for the gradient; the rate of their enthalpy is their free neighbours', and the
 // difference to Q_I is the heat of the wall, which is booked.
@@ -87,7 +87,7 @@ private:
     };
     void show(const Grid& grid, const Supports& supports, Points& points);
     void nodes_from_points(const Supports& supports, const Points& points);
-    void moved_nodes_from_points(const Grid& grid, const Supports& supports, Points& points);
+    void moved_nodes_from_points(const Supports& supports, Points& points);
     void remember(const Supports& supports, const Points& points);
     void invert_nodes();
     void invert_node(std::size_t node);
@@ -98,9 +98,8 @@ private:
     void rates(const Grid& grid, double dt);
     void advance_nodes(double dt);
     void points_from_nodes(const Supports& supports, Points& points);
-    void limit_to_neighbours(const Supports& supports, Points& points, double cell);
+    bool limit_to_neighbours(const Supports& supports, Points& points); // whether anything was cut
     void watch_range();
-    void publish(const Supports& supports, Points& points);
     double rate_of_neighbours(int node, int right, int up, bool held) const; // NaN where there is none
     double enthalpy_at_held(std::size_t node) const;
     void substep(const Grid& grid, const Supports& supports, Points& points, double dt);
@@ -129,6 +128,7 @@ private:
     double content_scale_ = 0.0;               // sum of |E_p| at the start, J: the balance is relative to it and what has moved
 
     // Nodes. Columns by material: `material * nodes + node`.
+    double cell_;                                // h, m
     std::size_t nodes_;
     std::vector<double> volume_;                 // W_I, m^3
     std::vector<double> share_;                  // of a material in W_I, -
@@ -139,6 +139,7 @@ private:
     std::vector<double> power_;                  // Q_I, W
     std::vector<double> rate_;                   // of H_I, W/m^3 (capacity form: of T_I, K/s)
     std::vector<double> change_;                 // of H by material since the points were last brought up to date, J/m^3
+    std::vector<double> fade_;                   // what is left of memory_ after its points have moved on, -
     std::vector<double> memory_;                 // H_I less what its points map to it, J/m^3: where points may move
     // Points.
     std::vector<Vector> place_;                  // where memory_ was made, m

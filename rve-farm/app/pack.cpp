@@ -40,9 +40,16 @@ void check_output(const std::string& file) {
     if (::access(folder.c_str(), W_OK | X_OK) != 0 || (fs::exists(file) && ::access(file.c_str(), W_OK) != 0)) refuse(std::string("cannot be written: ") + std::strerror(errno));
 }
 
-std::string stress_text(const Packing& p) {
-    if (p.vertical_stress <= 0.0) return fmt::format("{:.1f} kPa", 1e-3 * p.pressure);
-    return fmt::format("vertical {:.3g} kPa, lateral {:.3g} kPa (K0 = {:.3f})", 1e-3 * p.vertical_stress, 1e-3 * p.lateral_stress, p.lateral_stress / p.vertical_stress);
+// One line for each seed: its packing, or both ends of its K0 path.
+void say_what_was_made(const std::vector<Packing>& packings) {
+    for (std::size_t first = 0, last = 0; first < packings.size(); first = last + 1) {
+        const Packing& p = packings[first];
+        for (last = first; last + 1 < packings.size() && packings[last + 1].seed == p.seed; ++last) {}
+        const Packing& q = packings[last];
+        if (p.vertical_stress <= 0.0) log::info("seed {}: {} discs, void ratio {:.4f}, {:.1f} kPa", p.seed, p.disc_count(), p.void_ratio(), 1e-3 * p.pressure);
+        else log::info("seed {}: {} discs, {} snapshot(s) from {:.3g} to {:.3g} kPa vertical stress, void ratio {:.4f} to {:.4f}, K0 {:.3f} to {:.3f}", p.seed, p.disc_count(), last - first + 1,
+                       1e-3 * p.vertical_stress, 1e-3 * q.vertical_stress, p.void_ratio(), q.void_ratio(), p.lateral_stress / p.vertical_stress, q.lateral_stress / q.vertical_stress);
+    }
 }
 
 void pack(const PackOptions& options) {
@@ -62,8 +69,7 @@ void pack(const PackOptions& options) {
         packings = prepare_packings(spec, options.threads, [&](int done, const std::string& note) { progress.update(done / count, fmt::format("{} of {}  {}", done, spec.packing.count, note)); });
     }
     write_packings(options.output, "rve-farm", packings, dump);
-    if (!options.quiet)
-        for (const Packing& p : packings) log::info("seed {}: {} discs, void ratio {:.4f}, {}", p.seed, p.disc_count(), p.void_ratio(), stress_text(p));
+    if (!options.quiet) say_what_was_made(packings);
 }
 
 } // namespace

@@ -96,13 +96,13 @@ TEST_CASE("level ground of packings at the stress of their depth starts near equ
     CHECK(ratio > 0.25); // of sands at rest: see k0_path_test
     CHECK(ratio < 0.9);
     ground.simulation().step(2e-4);
-    // Acceleration of the first step over g. Level by level sigma is linear in depth, whose nodal forces balance gravity
-    // but for the uGIMP rows at the surface and what the settling left (0.1 % of the stress over half a cell: 0.01 g).
-    CHECK(ground.fastest() / 2e-4 < 0.05 * 9.81);
+    // Acceleration of the first step. Level by level sigma is linear in depth, and balances gravity but for what settling
+    // has left: 0.1 % of the stress, over a depth of a few cells up to 0.01 g (measured here: 0.001 g).
+    CHECK(ground.fastest() / 2e-4 < 0.01 * 9.81);
     while (!ground.simulation().finished()) ground.simulation().step(2e-4);
     // Under gravity applied to ground without it the column settles by rho g H^2 / 2 M = 0.2 mm at M = 8 MPa; from the
-    // stress of depth by less than a tenth of that.
-    CHECK(ground.settlement() < 2e-5);
+    // stress of depth, within 0.1 % of it, by no more than some 0.1 % of that in the mean; a single point by a little more.
+    CHECK(ground.settlement() < 2e-6);
 }
 
 TEST_CASE("the same ground of isotropic packings falls with g until it has found its stress", "[k0][lockstep]") {

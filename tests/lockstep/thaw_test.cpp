@@ -1,5 +1,6 @@
 // Heat, bonds, points and discs together: a vertical cut that stands while it is frozen and falls when it thaws.
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 
 #include "common/io/csv_table.hpp"
@@ -152,4 +153,25 @@ TEST_CASE("a run cut while it thaws and bonds form anew ends with the bytes of t
     CHECK(content(whole / "history.csv") == content(part / "history.csv"));
     const fs::path last = checkpoints(whole).back().filename();
     for (const char* file : {"driver.h5", "rve/farm.h5", "rve/law.h5"}) CHECK(differences(whole / last / file, part / last / file).empty());
+}
+
+TEST_CASE("the shipped slope slides when its heater is on, and stands when it is off", "[lockstep][thaw][long]") {
+    TemporaryFolder folder;
+    const auto farthest = [&](const std::string& begins) { // displacement of any point at 1.5 s, m
+        const fs::path output = folder / begins;
+        Program run({"mpm-driver", "run", TALIK_SOURCE_DIR "/cases/thaw-slope/quick.toml", "--output", output.string(), "--quiet", "--until", "1.5",
+                     "--set", "heat.heater.0.begins=\"" + begins + "\""}, folder / "cache");
+        const End end = run.wait(1500.0);
+        CAPTURE(run.text());
+        REQUIRE(end.code == 0);
+        const talik::Hdf5File file = talik::Hdf5File::open((output / "fields.h5").string());
+        std::string last;
+        for (const auto& name : file.children("/")) last = name.rfind("output_", 0) == 0 ? std::max(last, name) : last;
+        const auto displacement = file.read<double>("/" + last + "/displacement").values;
+        double most = 0.0;
+        for (std::size_t i = 0; i + 2 < displacement.size(); i += 3) most = std::max(most, std::hypot(displacement[i], displacement[i + 1]));
+        return most;
+    };
+    CHECK(farthest("0.4 d") > 0.1);    // decimetres, and on its way (0.4 m in the README's run)
+    CHECK(farthest("1000 d") < 0.01);  // what gravity's start has settled: millimetres
 }

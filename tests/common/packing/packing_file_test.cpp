@@ -29,6 +29,7 @@ TEST_CASE("a packing file returns every field of every packing, bit by bit, in o
     first.seed = 42;
     first.stiffness = 8e6;
     first.stable_step = 4e-5;
+    first.vertical_stress = 2e4, first.lateral_stress = 9e3;
     first.contacts[3].bonded = true;
     Packing second = read_packing_csv(yade + "loose_particles.csv"); // no contacts
     second.velocity_x.clear(), second.velocity_y.clear(), second.spin.clear();
@@ -48,6 +49,8 @@ TEST_CASE("a packing file returns every field of every packing, bit by bit, in o
     CHECK(read[0].seed == 42);
     CHECK(read[0].stiffness == 8e6);
     CHECK(read[0].stable_step == 4e-5);
+    CHECK(read[0].vertical_stress == 2e4);
+    CHECK(read[0].lateral_stress == 9e3);
     REQUIRE(read[0].contacts.size() == first.contacts.size());
     for (std::size_t c = 0; c < first.contacts.size(); ++c) {
         CHECK(read[0].contacts[c].first == first.contacts[c].first);

@@ -11,7 +11,7 @@ namespace {
 
 const std::string path = test_file("heat_scene_test.toml");
 
-const std::string sound = R"(
+const std::string sound = R"toml(
 [domain]
 size = ["1 m", "2 m"]
 cell = "0.1 m"
@@ -39,7 +39,7 @@ temperature = "20 C"
 [[stage]]
 name = "thaw"
 duration = "20 d"
-)";
+)toml";
 
 std::string faults_of(const std::string& text) {
     write_file_atomically(path, text);
