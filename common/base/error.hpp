@@ -28,6 +28,11 @@ inline void require(bool holds, const std::string& problem, const std::string& r
     if (!holds) throw Error(ExitCode::bad_input, "", problem, remedy);
 }
 
+// Plain texts cost nothing where all is well: for what is asked in every step.
+inline void require(bool holds, const char* problem, const char* remedy) {
+    if (!holds) [[unlikely]] throw Error(ExitCode::bad_input, "", problem, remedy);
+}
+
 [[noreturn]] void fail(ExitCode code, const std::string& problem, const std::string& remedy);
 
 // For us: a broken promise between two pieces of our own code.

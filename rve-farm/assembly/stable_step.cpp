@@ -35,7 +35,8 @@ struct GershgorinRow {
 // sign of the coupling.
 template <class Row>
 double gershgorin(const AssemblyView& s, double rotation_scale, Row&& row) {
-    std::vector<GershgorinRow> sums(static_cast<std::size_t>(s.disc_count()));
+    thread_local std::vector<GershgorinRow> sums; // grows to the largest RVE it has met
+    sums.assign(static_cast<std::size_t>(s.disc_count()), GershgorinRow{});
     for (int c = 0; c < s.contact_count(); ++c) {
         const GershgorinRow entry = row(c);
         double sign = 1;
@@ -110,7 +111,8 @@ double omega_squared_bound_of_contacts(const AssemblyView& s, const ContactLaw<d
 
 double omega_squared_of_contacts(const AssemblyView& s, const ContactLaw<double>& law) {
     const std::size_t size = 3 * static_cast<std::size_t>(s.disc_count());
-    Column scale(size), v(size), w(size);
+    thread_local Column scale, v, w; // grow to the largest RVE they have met
+    for (Column* column : {&scale, &v, &w}) column->resize(size);
     for (std::size_t i = 0; i < size; i += 3) {
         const double mass = s.mass[i / 3];
         scale[i] = scale[i + 1] = 1 / std::sqrt(mass);

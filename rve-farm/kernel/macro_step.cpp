@@ -14,7 +14,7 @@ namespace {
 
 // So that no branch turns or stretches by more than largest_turn_of_a_branch in a chunk: strain of the cell, and displacement
 // of any disc over the smallest radius (a branch is at least two of them long, and has two ends).
-constexpr double largest_strain_of_a_chunk = 0.004, largest_displacement_of_a_chunk = 0.008;
+constexpr double largest_strain_of_a_chunk = 0.01, largest_displacement_of_a_chunk = 0.045;
 static_assert(largest_strain_of_a_chunk + largest_displacement_of_a_chunk <= largest_turn_of_a_branch);
 // Over the smallest radius, in a single sub-step, which cannot be shortened: beyond it discs have exploded. (The series are
 // then off by up to 1e-4 of an angle, which a collision of that violence does not notice.)
@@ -48,6 +48,9 @@ int take_chunk(const Stepper& stepper, Assembly& rve, int substeps, const Stretc
         if (stages) stages->rebuild += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         return status == Status::ok;
     };
+    // As long as the discs may be expected to move within the bound: a chunk that must be taken again is dear.
+    const double series_bound = largest_displacement_of_a_chunk * n.smallest_radius;
+    if (1.5 * n.last_displacement * substeps > series_bound) substeps = std::clamp(static_cast<int>(series_bound / (1.5 * n.last_displacement)), 1, substeps);
     if (!fresh && n.last_displacement * substeps >= fit(n, strain * substeps, substeps).by_list && !rebuild()) return 0;
     for (;;) {
         const ChunkFit fits = fit(n, strain * substeps, substeps);

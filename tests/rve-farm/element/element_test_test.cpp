@@ -1,3 +1,4 @@
+#include "tests/support/rve_samples.hpp"
 #include "rve-farm/element/element_test.hpp"
 
 #include <cmath>
