@@ -82,12 +82,7 @@ std::vector<std::string> HeatSolver::warnings() const {
 
 std::vector<StateColumn> HeatSolver::state() {
     std::vector<StateColumn> columns = books_.state();
-    if (!memory_.empty()) {
-        columns.push_back({"heat/memory", "J/m3", "enthalpy of the nodes less what their points map to it", {""}, memory_.data(), memory_.size()});
-        columns.push_back({"heat/place", "m", "of the points when that was made", {"x", "y"}, place_.front().data(), place_.size()});
-    } else if (enthalpy_form_) {
-        columns.push_back({"heat/node_enthalpy", "J/m3", "of nodes whose points rest", {""}, enthalpy_.data(), enthalpy_.size()});
-    }
+    if (enthalpy_form_) columns.push_back({"heat/node_enthalpy", "J/m3", "of nodes whose points rest", {""}, enthalpy_.data(), enthalpy_.size()});
     if (!enthalpy_form_) columns.push_back({"heat/node_state", "C", "temperature of nodes whose points rest", {"temperature", "frozen"}, &state_.front().temperature, state_.size()});
     columns.push_back({"heat/clock", "SI", "time s, steps", {"time", "steps"}, &clock_.time, 1});
     return columns;

@@ -24,7 +24,7 @@ std::vector<ThermalMaterial> made_materials(const HeatSpec& spec) {
 
 HeatSolver::HeatSolver(const Scene& scene, const Grid& grid, const Supports& supports, const std::vector<double>& half_size, Points& points)
     : spec_(*scene.heat), enthalpy_form_(spec_.formulation == "enthalpy"), materials_(made_materials(spec_)), held_(spec_, grid), entries_(held_.names()),
-      cell_(grid.cell()), nodes_(static_cast<std::size_t>(grid.node_count())) {
+      nodes_(static_cast<std::size_t>(grid.node_count())) {
     for (const BodySpec& body : scene.bodies) {
         const auto found = std::find_if(materials_.begin(), materials_.end(), [&](const ThermalMaterial& m) { return m.name() == body.material; });
         require(found != materials_.end(), "body '" + body.name + "' has no thermal material", "give it one of the [[heat.material]]s");
@@ -36,10 +36,9 @@ HeatSolver::HeatSolver(const Scene& scene, const Grid& grid, const Supports& sup
     for (auto* column : {&share_, &material_enthalpy_, &potential_, &frozen_, &change_}) column->assign(m * nodes_, 0.0);
     state_.assign(nodes_, {});
     later_.reserve(nodes_);
+    small_.reserve(nodes_);
+    merged_.assign(nodes_, 0.0);
     if (enthalpy_form_ && points.mechanical) {
-        memory_.assign(nodes_, 0.0);
-        fade_.assign(nodes_, 1.0);
-        place_ = points.position;
         excess_.assign(n, 0.0);
     }
     ensure(m <= most_materials);
@@ -90,17 +89,19 @@ void HeatSolver::show(const Grid& grid, const Supports& supports, Points& points
 void HeatSolver::advance(const Grid& grid, const Supports& supports, Points& points, double dt, int substeps, bool moved) {
     if (moved) moved_nodes_from_points(supports, points);
     held_.update(grid, volume_, spec_.time_scale * clock_.time, moved);
+    small_nodes_changed_ = true; // a heater may have been switched
     std::fill(change_.begin(), change_.end(), 0.0);
     for (int k = 0; k < substeps; ++k) substep(grid, supports, points, dt / substeps);
     if (!enthalpy_form_) temperatures_from_nodes(supports, points);
     hold_temperatures(clock_.time, clock_.time);
     points_from_nodes(supports, points);
-    if (enthalpy_form_ && moved) remember(supports, points);
 }
 
 void HeatSolver::substep(const Grid& grid, const Supports& supports, Points& points, double dt) {
     const double begin = clock_.time, end = begin + dt;
     held_.update(grid, volume_, spec_.time_scale * begin, false);
+    if (small_nodes_changed_) find_small_nodes(grid);
+    small_nodes_changed_ = false;
     hold_temperatures(begin, end);
     heat_flow(supports, points);
     source_power(points, begin, end);
@@ -120,22 +121,19 @@ void HeatSolver::substep(const Grid& grid, const Supports& supports, Points& poi
 
 void HeatSolver::nodes_from_points(const Supports& supports, const Points& points) {
     const std::size_t count = materials_.size();
-    const bool moving = !memory_.empty();
     each(nodes_, [&](std::size_t node) {
-        double heat = 0.0, volume = 0.0, farthest2 = 0.0; // J, m^3, m^2: how far its points have gone since the last step
+        double heat = 0.0, volume = 0.0; // J, m^3
         double parts[most_materials] = {};
         supports.each_point_of(node, [&](std::uint32_t p, double phi, const Vector&) {
             const double part = phi * points.initial_volume[p]; // m^3
             heat += phi * points.enthalpy[p];                    // J
             volume += part;
             if (count > 1) parts[material_of_body_[static_cast<std::size_t>(points.body[p])]] += part;
-            if (moving) farthest2 = std::max(farthest2, (points.position[p] - place_[p]).squaredNorm());
         });
         volume_[node] = volume;
         enthalpy_[node] = volume > 0.0 ? heat / volume : 0.0; // H_I, Eq. (18) for enthalpy, J/m^3
         if (count == 1) share_[node] = volume > 0.0 ? 1.0 : 0.0;
         else for (std::size_t m = 0; m < count; ++m) share_[at(m, node)] = volume > 0.0 ? parts[m] / volume : 0.0;
-        if (moving) fade_[node] = std::max(0.0, 1.0 - 4.0 * std::sqrt(farthest2) / cell_);
     });
     if (!enthalpy_form_) temperatures_to_nodes(supports, points);
 }
@@ -244,12 +242,18 @@ void HeatSolver::nodal_power(const Supports& supports, double begin, double end)
 // its ice and the front lag behind. The wall gives what that takes.
 void HeatSolver::rates(const Grid& grid, double dt) {
     const std::vector<double>& weight = enthalpy_form_ ? volume_ : enthalpy_; // m^3, or J/K
-    each(nodes_, [&](std::size_t node) { rate_[node] = volume_[node] > 0.0 ? power_[node] / weight[node] : 0.0; });
     const int right = grid.stride(0), up = grid.stride(1);
+    std::fill(merged_.begin(), merged_.end(), 0.0);
+    for (const auto& [node, parent] : small_) {
+        power_[parent] += power_[node];
+        merged_[parent] += weight[node];
+    }
+    each(nodes_, [&](std::size_t node) { rate_[node] = volume_[node] > 0.0 ? power_[node] / (weight[node] + merged_[node]) : 0.0; });
+    for (const auto& pair : small_) rate_[pair.first] = std::numeric_limits<double>::quiet_NaN(); // its parent's, below
     const auto set = [&](const HeldNodes::Held& held, double rate) {
         const auto node = static_cast<std::size_t>(held.node);
         rate_[node] = rate;
-        books_.book(static_cast<std::size_t>(held.entry), dt * (rate * weight[node] - power_[node]));
+        books_.book(static_cast<std::size_t>(held.entry), dt * (rate * (weight[node] + merged_[node]) - power_[node]));
     };
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
     for (const HeldNodes::Held& held : held_.held()) rate_[static_cast<std::size_t>(held.node)] = unknown;
@@ -266,6 +270,30 @@ void HeatSolver::rates(const Grid& grid, double dt) {
     }
     for (const auto& [held, rate] : later_) set(held, rate);
     later_.clear();
+    for (const auto& [node, parent] : small_) rate_[node] = rate_[parent];
+}
+
+// Nodes that the ground barely reaches, by o: their volume falls with o^2, what flows to them with o, and their rate would
+// grow without bound. Each goes with the largest of its neighbours: one rate for both, from what both receive.
+void HeatSolver::find_small_nodes(const Grid& grid) {
+    const int right = grid.stride(0), up = grid.stride(1);
+    constexpr double small = 0.1; // of the neighbour's volume: a surface within about a third of a cell beyond a node
+    const auto largest = [&](std::size_t node) {
+        std::size_t best = node;
+        for (int offset : {-right, right, -up, up, -right - up, right - up, -right + up, right + up}) {
+            const std::size_t other = node + static_cast<std::size_t>(offset); // wraps where it is outside
+            if (other < nodes_ && volume_[other] > volume_[best]) best = other;
+        }
+        return best;
+    };
+    small_.clear();
+    for (std::size_t node = 0; node < nodes_; ++node) {
+        if (!(volume_[node] > 0.0) || held_.is_held(node)) continue;
+        std::size_t parent = largest(node);
+        if (volume_[node] >= small * volume_[parent]) continue;
+        for (std::size_t next = largest(parent); volume_[parent] < small * volume_[next]; next = largest(parent)) parent = next;
+        small_.emplace_back(node, parent);
+    }
 }
 
 // Mean rate of the four neighbours, or else of the diagonal ones: those that are free, or (held) held ones that have a rate.
@@ -322,27 +350,14 @@ void HeatSolver::advance_nodes(double dt) {
     });
 }
 
-// Nodes of points that may have moved: mapped anew, cut to their neighbours' range, and what the nodes remember of the
-// last step added, less where points have moved on: nothing is left of it after a quarter of a cell.
+// Nodes of points that may have moved: mapped anew, after the points were cut to their neighbours' range.
 void HeatSolver::moved_nodes_from_points(const Supports& supports, Points& points) {
     nodes_from_points(supports, points);
     if (enthalpy_form_) {
         if (materials_.size() > 1) invert_nodes();
         if (limit_to_neighbours(supports, points)) nodes_from_points(supports, points);
-        each(nodes_, [&](std::size_t node) {
-            if (volume_[node] > 0.0) enthalpy_[node] += fade_[node] * memory_[node];
-        });
     }
     invert_nodes();
-}
-
-void HeatSolver::remember(const Supports& supports, const Points& points) {
-    each(nodes_, [&](std::size_t node) {
-        double heat = 0.0;
-        supports.each_point_of(node, [&](std::uint32_t p, double phi, const Vector&) { heat += phi * points.enthalpy[p]; });
-        memory_[node] = volume_[node] > 0.0 ? enthalpy_[node] - heat / volume_[node] : 0.0;
-    });
-    place_ = points.position;
 }
 
 // Points keep differences among each other that their nodes cannot see: once the ice of a node has melted, a point that
@@ -353,8 +368,6 @@ bool HeatSolver::limit_to_neighbours(const Supports& supports, Points& points) {
     const bool one = materials_.size() == 1;
     const std::vector<double>& node_enthalpy = one ? enthalpy_ : material_enthalpy_;
     const double cut = ordered_sums<1>(points.count(), [&](std::size_t p, std::array<double, 1>& sum) {
-        excess_[p] = 0.0;
-        if ((points.position[p] - place_[p]).squaredNorm() <= 1e-18 * cell_ * cell_) return; // points at rest are left alone
         const std::size_t m = one ? 0 : material_of_body_[static_cast<std::size_t>(points.body[p])];
         double least = 1e300, most = -1e300;
         supports.each_node_of(p, [&](std::size_t node, double phi, const Vector&) {

@@ -7,9 +7,8 @@
 //   nodal power          Q_I = sum V_p grad phi_Ip . q_p + sources + fluxes
 //   nodes                H_I += dt Q_I / W_I
 //   points from nodes    E_p += V_p^0 sum phi_Ip (change of H_I): what nodes receive, points receive, to rounding
-// While points rest the nodes keep their H_I from step to step. Mapped anew from the points in every step it would be smeared
-// over the neighbours (a freezing front then lags by a part of a cell for good). The difference between the two is
-// remembered where points move, and forgotten as they move on. Energy is what the points carry, whatever the nodes remember.
+// In a scene of heat alone, and within the sub-steps of a mechanical step, nodes keep their H_I. Mapped from the points in every
+// step it is smeared over the neighbours: a front between warm and cold ground then lags by a part of a cell.
 // Held nodes have their temperature for the gradient; the rate of their enthalpy is their free neighbours', and the
 // difference to Q_I is the heat of the wall, which is booked.
 //
@@ -88,7 +87,6 @@ private:
     void show(const Grid& grid, const Supports& supports, Points& points);
     void nodes_from_points(const Supports& supports, const Points& points);
     void moved_nodes_from_points(const Supports& supports, Points& points);
-    void remember(const Supports& supports, const Points& points);
     void invert_nodes();
     void invert_node(std::size_t node);
     void hold_temperatures(double begin, double end);
@@ -102,6 +100,7 @@ private:
     void watch_range();
     double rate_of_neighbours(int node, int right, int up, bool held) const; // NaN where there is none
     double enthalpy_at_held(std::size_t node) const;
+    void find_small_nodes(const Grid& grid);
     void substep(const Grid& grid, const Supports& supports, Points& points, double dt);
 
     // The paper's form, in capacity_form.cpp.
@@ -128,7 +127,6 @@ private:
     double content_scale_ = 0.0;               // sum of |E_p| at the start, J: the balance is relative to it and what has moved
 
     // Nodes. Columns by material: `material * nodes + node`.
-    double cell_;                                // h, m
     std::size_t nodes_;
     std::vector<double> volume_;                 // W_I, m^3
     std::vector<double> share_;                  // of a material in W_I, -
@@ -139,14 +137,14 @@ private:
     std::vector<double> power_;                  // Q_I, W
     std::vector<double> rate_;                   // of H_I, W/m^3 (capacity form: of T_I, K/s)
     std::vector<double> change_;                 // of H by material since the points were last brought up to date, J/m^3
-    std::vector<double> fade_;                   // what is left of memory_ after its points have moved on, -
-    std::vector<double> memory_;                 // H_I less what its points map to it, J/m^3: where points may move
     // Points.
-    std::vector<Vector> place_;                  // where memory_ was made, m
     std::vector<Vector> flow_;                   // V_p q_p, W m
     std::vector<double> source_;                 // V_p s_p, W
     std::vector<double> excess_;                 // J, cut off by the neighbours' range
     std::vector<std::pair<HeldNodes::Held, double>> later_; // held nodes of a second row, and their rate
+    std::vector<std::pair<std::size_t, std::size_t>> small_; // nodes that the ground barely reaches, and the neighbour they go with
+    std::vector<double> merged_;                 // weight of the small nodes that go with a node
+    bool small_nodes_changed_ = true;
     bool any_source_ = false;
 };
 
