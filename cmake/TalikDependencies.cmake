@@ -8,6 +8,7 @@ find_package(CLI11 2.1 REQUIRED)
 find_package(fmt 9 REQUIRED)
 find_package(spdlog 1.10 REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
+find_path(TALIK_HIGHWAY hwy/highway.h REQUIRED) # headers only: kernels dispatch by file, not by Highway
 find_package(tomlplusplus QUIET)
 if(NOT tomlplusplus_FOUND)
   find_package(PkgConfig REQUIRED)

@@ -33,7 +33,7 @@ std::string seen(const fs::path& path) {
 
 } // namespace
 
-TEST_CASE("A sealed file passes; with any one bit turned, of content or seal, it is damaged", "[exchange][seal]") {
+TEST_CASE("A sealed file passes: with any one bit turned, of content or seal, it is damaged", "[exchange][seal]") {
     const OwnFile file;
     file.write("state of 37 bytes, no multiple of 32.");
     seal(file.path);

@@ -137,7 +137,7 @@ TEST_CASE("Two runs do not share an output folder: the second is refused, the fi
     first.orphans(30.0);
 }
 
-TEST_CASE("A damaged packing in the cache is prepared again; a run from the start removes checkpoints of an earlier one", "[lockstep][fault]") {
+TEST_CASE("A damaged packing in the cache is prepared again: a run from the start removes checkpoints of an earlier one", "[lockstep][fault]") {
     TemporaryFolder folder;
     const fs::path cache = folder / "cache", output = folder / "out";
     const std::vector<std::string> call = {"mpm-driver", "run", write_tiny_scene(folder).string(), "--output", output.string()};

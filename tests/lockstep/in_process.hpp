@@ -38,8 +38,13 @@ public:
 // The farm of a test, from the first hello to its bye.
 class FarmInThread {
 public:
+    static farm::FarmOptions on_threads(int threads) {
+        farm::FarmOptions options;
+        options.threads = threads;
+        return options;
+    }
     // kind: "loopback" or "shm"
-    FarmInThread(const std::string& kind, int threads) : service(threads) {
+    FarmInThread(const std::string& kind, int threads) : service(on_threads(threads)) {
         if (kind == "loopback") {
             std::tie(driver_, farm_) = exchange::loopback_pair(std::size_t(1) << 20, {});
         } else {

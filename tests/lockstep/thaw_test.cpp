@@ -105,7 +105,7 @@ double last_of(const fs::path& output, const std::string& column) {
 
 } // namespace
 
-TEST_CASE("a frozen vertical cut stands; the same cut falls when its ice melts", "[lockstep][eq8][thaw]") {
+TEST_CASE("a frozen vertical cut stands: the same cut falls when its ice melts", "[lockstep][eq8][thaw]") {
     TemporaryFolder folder;
     for (const bool thaws : {false, true}) {
         const fs::path output = folder / (thaws ? "warm" : "cold");

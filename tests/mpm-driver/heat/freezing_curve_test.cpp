@@ -62,7 +62,7 @@ TEST_CASE("coarse soil freezes along a ramp between T0 and T_res, or at once whe
     CHECK(sharp.integral(-1.1) == Approx(0.8));
 }
 
-TEST_CASE("fine soil keeps the water w = wbar + (w0 - wbar) exp(a (T - T0)); more than its pores hold is cut and told", "[eq4][eq40]") {
+TEST_CASE("fine soil keeps the water w = wbar + (w0 - wbar) exp(a (T - T0)): more than its pores hold is cut and told", "[eq4][eq40]") {
     const double all = 0.427 * 1000.0 / (0.573 * 2650.0); // what the pores hold: 0.2812
     const FreezingCurve consistent(curve("fine"), all);
     CHECK(consistent.excess() == 0.0);

@@ -97,7 +97,7 @@ TEST_CASE("water and soil freeze from a cold wall as the two-phase solution of N
     }
 }
 
-TEST_CASE("the capacity form loses latent heat where steps jump over the ramp; the enthalpy form never", "[eqA2][eq36][eq37]") {
+TEST_CASE("the capacity form loses latent heat where steps jump over the ramp: the enthalpy form never", "[eqA2][eq36][eq37]") {
     const auto error = [](const std::string& form, double stability) {
         ThermalMaterialSpec spec = unit_material();
         spec.residual_temperature = -0.1;

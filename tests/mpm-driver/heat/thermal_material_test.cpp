@@ -74,7 +74,7 @@ TEST_CASE("heat capacity and conductivity of the mixture are those of the publis
     CHECK(ThermalMaterial(th2).conductivity(0.0) == Approx(1.0 / (0.63 / 9.0 + 0.185 / 0.6 + 0.185 / 0.025)));
 }
 
-TEST_CASE("water and ice keep their mass together; where ice fills the pores, their volume", "[eq3]") {
+TEST_CASE("water and ice keep their mass together: where ice fills the pores, their volume", "[eq3]") {
     ThermalMaterialSpec spec = soil_material();
     spec.ice_density = 917.0;
     const ThermalMaterial mass(spec);

@@ -82,7 +82,7 @@ TEST_CASE("a prepared packing has the void ratio, the isotropic stress and the r
     }
 }
 
-TEST_CASE("the same seed gives the same packing to the bit, for any number of threads; another seed another packing") {
+TEST_CASE("the same seed gives the same packing to the bit, for any number of threads: another seed another packing") {
     RveSpec spec = hundred_discs(0.203);
     spec.packing.count = 2;
     spec.packing.seed = 5;
@@ -129,7 +129,7 @@ TEST_CASE("a packing that does not come to rest is given up after a bounded numb
     CHECK_CONTAINS(problem, "with an unbalanced force of");
 }
 
-TEST_CASE("discs from CSV with their contacts are kept as they are; discs alone are brought to the pressure") {
+TEST_CASE("discs from CSV with their contacts are kept as they are: discs alone are brought to the pressure") {
     const std::string yade = TALIK_SOURCE_DIR "/tests/reference/yade/packing_medium_";
     RveSpec spec;
     spec.packing.particles = yade + "particles.csv";

@@ -77,7 +77,7 @@ TEST_CASE("bonds survive any compression", "[eq6]") {
     CHECK(samples::mean_pressure(answer) > 1e5);
 }
 
-TEST_CASE("while bonded, the tangential force is not cut at the Coulomb limit; the broken bond obeys it on the same step",
+TEST_CASE("while bonded, the tangential force is not cut at the Coulomb limit: the broken bond obeys it on the same step",
           "[eq5][eq7]") {
     Farm farm = bonded_lattice({1e12, 1e7, 1.0}, 0.1); // f_n = 10 N, mu f_n = 1 N, F_tb = 160 N
     double largest = 0; // |f_t| of an intact bond
