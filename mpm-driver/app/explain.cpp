@@ -72,7 +72,7 @@ void explain_heat(const Scene& scene, const Grid& grid, Points& points, const st
     } else if (limit.automatic < step) {
         row("heat step", fmt::format("{:.0f} sub-steps within each mechanical step", std::ceil(step / limit.automatic)));
     } else {
-        row("heat step", fmt::format("once in {:.0f} mechanical steps", std::max(1.0, std::floor(limit.automatic / step))));
+        row("heat step", fmt::format("at most once in {:.0f} mechanical steps; more often where ice would change by more than {:g} (ice_step)", std::max(1.0, std::floor(limit.automatic / step)), scene.heat->ice_step));
     }
     for (const std::string& warning : heat.warnings()) row("warning", warning);
 }

@@ -55,7 +55,7 @@ struct HeaterSpec {
     std::string name;
     std::vector<Vector> box, line;            // two corners, two ends, m
     TimeValueSpec value;                      // degrees C
-    std::optional<double> begins, ends;       // s
+    std::optional<double> begins, ends;       // s, of the scene's clock, as its stages
 };
 
 struct HeatSourceSpec {
@@ -68,6 +68,7 @@ struct HeatSourceSpec {
 struct HeatSpec {
     std::string formulation = "enthalpy";     // or "capacity": the paper's, with the heat capacity of A2
     double stability = 4.0;                   // b of Eq. (43)
+    double ice_step = 0.01;                   // with mechanics: largest change of ice saturation per step of heat, -
     double time_scale = 1.0;                  // seconds of heat per second of the scene
     std::vector<ThermalMaterialSpec> materials;
     std::vector<HeatBoundarySpec> boundaries;

@@ -55,9 +55,9 @@ void add_value(Table<Spec>& table, const std::string& key, Dimension dimension, 
     const Dimension amplitude = dimension == temperature ? temperature_difference : dimension;
     table.optional_quantity(key, [](Spec& s) -> std::optional<double>& { return s.value.constant; }, dimension, any(), meaning)
         .quantity("amplitude", [](Spec& s) -> double& { return s.value.amplitude; }, amplitude, any(), "of a sine added to it: amplitude sin(2 pi (t - shift) / period)")
-        .quantity("period", [](Spec& s) -> double& { return s.value.period; }, time, not_negative(), "of the sine; 0 = none")
-        .quantity("shift", [](Spec& s) -> double& { return s.value.shift; }, time, any(), "time at which the sine rises through zero")
-        .text("file", [](Spec& s) -> std::string& { return s.value.file; }, "in place of all these: CSV time_s, value (SI), straight between its rows; equal times make a jump");
+        .quantity("period", [](Spec& s) -> double& { return s.value.period; }, time, not_negative(), "of the sine, by heat's clock (time_scale times the scene's); 0 = none")
+        .quantity("shift", [](Spec& s) -> double& { return s.value.shift; }, time, any(), "time, of heat's clock, at which the sine rises through zero")
+        .text("file", [](Spec& s) -> std::string& { return s.value.file; }, "in place of all these: CSV time_s (of heat's clock), value (SI), straight between its rows; equal times make a jump");
 }
 
 Table<ThermalMaterialSpec> material_table() {
@@ -118,8 +118,8 @@ Table<HeaterSpec> heater_table() {
         .points("box", &H::box, length, 2, "two opposite corners")
         .points("line", &H::line, length, 2, "its two ends");
     add_value(table, "temperature", temperature, "that it is held at");
-    table.optional_quantity("begins", &H::begins, time, any(), "when it is switched on; without it at the start")
-        .optional_quantity("ends", &H::ends, time, any(), "when it is switched off; without it never")
+    table.optional_quantity("begins", &H::begins, time, any(), "when it is switched on, by the scene's clock (as stages; not scaled by time_scale); without it at the start")
+        .optional_quantity("ends", &H::ends, time, any(), "when it is switched off, by the scene's clock; without it never")
         .check([](const H& h, const Place& at) { check_heater(h, at); check_value(h.value, "temperature", at); });
     return table;
 }
@@ -143,6 +143,7 @@ Table<HeatSpec> heat_table() {
     Table<H> table("Heat with phase change, on the grid and points of the mechanics.");
     table.choice("formulation", &H::formulation, {"enthalpy", "capacity"}, "enthalpy: conserves energy, sharp fronts allowed; capacity: the paper's (A2), to show what it costs")
         .number("stability", &H::stability, at_least(2.0), "b of the step limit C h^2 / (b k) (Eq. 43); beyond b = 2 a fixed step is refused")
+        .number("ice_step", &H::ice_step, {.least = 0.0, .most = 1.0, .above_least = true}, "with mechanics: no step of heat is foreseen to change the ice saturation of a point by more than this; a mechanical step is the shortest")
         .number("time_scale", &H::time_scale, positive(), "seconds of heat per second of the scene: scales conductivities, fluxes, sources and the times of their tables together")
         .tables("material", &H::materials, material_table(), required)
         .tables("boundary", &H::boundaries, boundary_table())

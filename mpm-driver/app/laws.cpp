@@ -41,6 +41,7 @@ SceneLaws make_laws(Scene& scene, const RunOptions& options) {
         for (BodySpec& body : scene.bodies)
             if (body.law == "rve" && !body.density) body.density = bulk_density(setup.packings, setup.parameters.grain_density);
         out.warnings_ = packing_warnings(scene, setup.packings);
+        for (const Packing& p : setup.packings) out.packings_.push_back({p.seed, p.void_ratio(), p.pressure, p.vertical_stress, p.lateral_stress});
         for (const std::string& warning : out.warnings_) log::warn("{}", warning);
         out.partner_ = std::make_unique<FarmPartner>(PartnerOptions{options.exchange, options.backend, options.threads, options.stall_seconds, options.attach_seconds, options.quiet});
         exchange::Hello hello;
@@ -58,6 +59,7 @@ SceneLaws make_laws(Scene& scene, const RunOptions& options) {
 RunFacts SceneLaws::facts() const {
     RunFacts facts;
     facts.warnings = warnings_;
+    facts.packings = packings_;
     if (!farm_) return facts;
     facts.farm = farm_->farm_program();
     facts.rves = farm_->rves();

@@ -33,6 +33,7 @@ private:
     Simulation::Laws laws_;
     FarmLaw* farm_ = nullptr;
     std::vector<std::string> warnings_;
+    std::vector<PackingFact> packings_;
     std::optional<double> farm_waited_; // s; empty until the farm has said so
 };
 

@@ -100,7 +100,7 @@ public:
     // After the end of go(), however it ended.
     void close(int exit, const std::string& cause) {
         RunFacts facts = laws_.facts();
-        facts.warnings.insert(facts.warnings.end(), simulation_.warnings().begin(), simulation_.warnings().end());
+        for (const std::string& warning : simulation_.warnings()) facts.warnings.push_back(warning);
         if (const HeatSolver* heat = simulation_.heat())
             for (const std::string& warning : heat->warnings()) facts.warnings.push_back(warning);
         facts.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
@@ -136,12 +136,18 @@ private:
         const auto timed = StageTimer::Scope(output_seconds_);
         const double now = simulation_.time();
         const bool turn = simulation_.stage() != stage;
-        for (; warned_ < simulation_.warnings().size(); ++warned_) log::warn("{}", simulation_.warnings()[warned_]);
+        if (turn) warn_of_stages();
         if (turn && !simulation_.finished()) log::info("t = {:.4g} s: stage \"{}\"", now, scene_.stages[static_cast<std::size_t>(simulation_.stage())].name);
         if (scene_.output.history_interval <= 0.0 || due(scene_.output.history_interval, before, now)) write_history();
         written_fields_ = due(scene_.output.fields_interval, before, now);
         if (written_fields_) write_fields();
         if (due(scene_.output.checkpoint_interval, before, now)) write_checkpoint();
+    }
+
+    // Once for each, also for those of stages before a restart.
+    void warn_of_stages() {
+        const std::vector<std::string> warnings = simulation_.warnings();
+        for (; warned_ < warnings.size(); ++warned_) log::warn("{}", warnings[warned_]);
     }
 
     void write_history() {
@@ -173,7 +179,7 @@ private:
     std::optional<History> history_;
     std::optional<FieldsWriter> fields_;
     bool written_fields_ = false;
-    std::size_t warned_ = 0; // of the simulation's warnings
+    std::size_t warned_ = 0; // of the simulation's warnings, said
     std::int64_t checkpointed_step_ = -1;
     double output_seconds_ = 0.0;
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();

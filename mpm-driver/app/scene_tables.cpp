@@ -136,7 +136,7 @@ Table<StageSpec> stage_table() {
         .number("pic", &S::pic, between(0, 1), "alpha_PIC, fraction of PIC per step (Eq. 34)")
         .texts("moves", &S::moves, {}, "names of the walls that move")
         .texts("activates", &S::activates, {"bonds"}, "switched on at its start")
-        .texts("activates_in", &S::activates_in, {}, "names of the bodies in which it is switched on; none = all");
+        .texts("activates_in", &S::activates_in, {}, "names of the bodies in which it is switched on; none = all; a region of the ground is a body of its own");
     return table;
 }
 

@@ -76,6 +76,9 @@ std::vector<std::string> HeatSolver::warnings() const {
         if (!material.warning().empty()) out.push_back(material.warning());
     if (spec_.time_scale != 1.0)
         out.push_back(fmt::format("heat runs {:g} times faster than the scene's clock: conductivities, fluxes, sources and the times of their tables are scaled together", spec_.time_scale));
+    for (const HeaterSpec& heater : spec_.heaters)
+        if (heater.begins && *heater.begins >= scene_duration_)
+            out.push_back(fmt::format("the heater \"{}\" stays off: it begins at {:g} s by the scene's clock, and the scene ends at {:g} s", heater.name, *heater.begins, scene_duration_));
     if (!enthalpy_form_) out.push_back("heat in the capacity form: energy is not conserved where steps jump over the freezing interval (balance.heat)");
     return out;
 }
@@ -84,7 +87,7 @@ std::vector<StateColumn> HeatSolver::state() {
     std::vector<StateColumn> columns = books_.state();
     if (enthalpy_form_) columns.push_back({"heat/node_enthalpy", "J/m3", "of nodes whose points rest", {""}, enthalpy_.data(), enthalpy_.size()});
     if (!enthalpy_form_) columns.push_back({"heat/node_state", "C", "temperature of nodes whose points rest", {"temperature", "frozen"}, &state_.front().temperature, state_.size()});
-    columns.push_back({"heat/clock", "SI", "time s, steps", {"time", "steps"}, &clock_.time, 1});
+    columns.push_back({"heat/clock", "SI", "time s, steps, largest rate of ice saturation 1/s", {"time", "steps", "ice_rate"}, &clock_.time, 1});
     return columns;
 }
 

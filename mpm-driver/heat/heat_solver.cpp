@@ -56,6 +56,7 @@ HeatSolver::HeatSolver(const Scene& scene, const Grid& grid, const Supports& sup
     set_temperature(grid, supports, points, initial_temperatures(scene.bodies, points));
     const std::string idle = held_.idle_heater(grid, volume_);
     require(idle.empty(), "the heater '" + idle + "' lies outside the ground", "put it where a body is");
+    for (const StageSpec& stage : scene.stages) scene_duration_ += stage.duration;
 }
 
 void HeatSolver::set_temperature(const Grid& grid, const Supports& supports, Points& points, const std::vector<double>& temperature) {
@@ -80,7 +81,7 @@ void HeatSolver::restored(const Grid& grid, const Supports& supports, Points& po
 
 void HeatSolver::show(const Grid& grid, const Supports& supports, Points& points) {
     invert_nodes();
-    held_.update(grid, volume_, spec_.time_scale * clock_.time, true);
+    held_.update(grid, volume_, clock_.time, true);
     hold_temperatures(clock_.time, clock_.time);
     std::fill(change_.begin(), change_.end(), 0.0);
     points_from_nodes(supports, points);
@@ -88,18 +89,19 @@ void HeatSolver::show(const Grid& grid, const Supports& supports, Points& points
 
 void HeatSolver::advance(const Grid& grid, const Supports& supports, Points& points, double dt, int substeps, bool moved) {
     if (moved) moved_nodes_from_points(supports, points);
-    held_.update(grid, volume_, spec_.time_scale * clock_.time, moved);
+    held_.update(grid, volume_, clock_.time, moved);
     small_nodes_changed_ = true; // a heater may have been switched
     std::fill(change_.begin(), change_.end(), 0.0);
     for (int k = 0; k < substeps; ++k) substep(grid, supports, points, dt / substeps);
     if (!enthalpy_form_) temperatures_from_nodes(supports, points);
+    note_ice_rate(points);
     hold_temperatures(clock_.time, clock_.time);
     points_from_nodes(supports, points);
 }
 
 void HeatSolver::substep(const Grid& grid, const Supports& supports, Points& points, double dt) {
     const double begin = clock_.time, end = begin + dt;
-    held_.update(grid, volume_, spec_.time_scale * begin, false);
+    held_.update(grid, volume_, begin, false);
     if (small_nodes_changed_) find_small_nodes(grid);
     small_nodes_changed_ = false;
     hold_temperatures(begin, end);

@@ -15,6 +15,7 @@
 // Capacity form (the paper's). Points carry temperature; the nodes' capacity is C(T) = rho c + latent, Eq. (A2), at their
 // old temperature. The remapped temperature of Eq. (37) is output, never the state.
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -51,6 +52,8 @@ public:
     void restored(const Grid& grid, const Supports& supports, Points& points); // after state() was filled, of points at rest
 
     HeatLimit limit(const Grid& grid, const Points& points) const;
+    double interval_of_ice() const;                     // s, within which no point's ice changes by more than heat.ice_step
+    double next_switch() const { return held_.next_switch(clock_.time); } // s, of the scene
     std::string describe(const HeatLimit& limit, const Grid& grid) const;
 
     double time() const { return clock_.time; }         // s, of the scene
@@ -98,6 +101,7 @@ private:
     void points_from_nodes(const Supports& supports, Points& points);
     bool limit_to_neighbours(const Supports& supports, Points& points); // whether anything was cut
     void watch_range();
+    void note_ice_rate(const Points& points);
     double rate_of_neighbours(int node, int right, int up, bool held) const; // NaN where there is none
     double enthalpy_at_held(std::size_t node) const;
     void find_small_nodes(const Grid& grid);
@@ -121,8 +125,12 @@ private:
     std::function<double(const Vector&, double)> extra_source_;
     std::vector<std::string> entries_;
     HeatBooks books_;
-    struct Clock { double time = 0.0, steps = 0.0; } clock_;
+    struct Clock {
+        double time = 0.0, steps = 0.0;
+        double ice_rate = std::numeric_limits<double>::infinity(); // 1/s, at most, by the last step; infinite = not known yet
+    } clock_;
     double lowest_ = 1e300, highest_ = -1e300; // of initial and held temperatures, degrees C
+    double scene_duration_ = 0.0;              // s, of all its stages
     double point_size_factor_ = 1.0;           // of the automatic step: min(1, 4 l_p / h)
     double content_scale_ = 0.0;               // sum of |E_p| at the start, J: the balance is relative to it and what has moved
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace talik::driver {
 
@@ -22,6 +23,20 @@ HeldNodes::HeldNodes(const HeatSpec& spec, const Grid& grid)
 
 bool HeldNodes::switched_on(const HeaterSpec& heater, double time) const {
     return (!heater.begins || time >= *heater.begins) && (!heater.ends || time < *heater.ends);
+}
+
+double HeldNodes::next_switch(double time) const {
+    double next = std::numeric_limits<double>::infinity();
+    for (const HeaterSpec& heater : heaters_)
+        for (const auto& change : {heater.begins, heater.ends})
+            if (change && *change > time) next = std::min(next, *change);
+    return next;
+}
+
+bool HeldNodes::switched_since(double time) const {
+    for (std::size_t i = 0; i < heaters_.size(); ++i)
+        if (switched_on(heaters_[i], time) != (on_[i] != 0)) return true;
+    return false;
 }
 
 void HeldNodes::update(const Grid& grid, const std::vector<double>& volume, double time, bool moved) {

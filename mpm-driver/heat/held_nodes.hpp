@@ -18,8 +18,11 @@ public:
     struct Held { int node; int entry; };                 // entry: index into names()
     struct Flux { int node; int entry; double area; };    // m^2
 
-    // volume: of the material at each node, m^3; time: s, of the heat (scaled). False where nothing can have changed.
+    // volume: of the material at each node, m^3; time: s, of the scene. moved: whether the material may have.
     void update(const Grid& grid, const std::vector<double>& volume, double time, bool moved);
+
+    double next_switch(double time) const;  // s, of the scene: when a heater next goes on or off; infinite where none does
+    bool switched_since(double time) const; // whether one is on or off at this time that the lists have otherwise
 
     const std::vector<Held>& held() const { return held_; }
     const std::vector<Flux>& fluxes() const { return fluxes_; }

@@ -25,6 +25,7 @@ Simulation::Simulation(const Scene& scene, Laws laws)
     if (scene_.heat) heat_ = std::make_unique<HeatSolver>(scene_, grid_, supports_, half_size_, points_);
     if (scene_.phase_change_strain) phase_change_strain_.emplace(scene_, points_);
     if (mechanics()) begin_laws();
+    unrest_.assign(scene_.stages.size(), 0.0);
     ledger_.open(points_);
     build_schedule();
     enter_stage();
@@ -127,7 +128,7 @@ void Simulation::step(double dt) {
 }
 
 // Heat goes on by sub-steps of its own where its limit is below the mechanical step; where it is above, once in as many
-// steps as fit into it, and at the end of a stage.
+// steps as fit into it and leave the ice without leaps, at the end of a stage, and before a heater is switched.
 void Simulation::advance_heat() {
     clock_.pending_heat += dt_;
     if (!mechanics()) {
@@ -135,7 +136,8 @@ void Simulation::advance_heat() {
     } else {
         const double allowed = heat_->limit(grid_, points_).automatic;
         const double remaining = clock_.stage_start + present_stage().duration - clock_.time - dt_;
-        if (clock_.pending_heat + dt_ <= allowed && remaining > 0.5 * dt_) return;
+        const bool switches = clock_.time + 2.0 * dt_ > heat_->next_switch(); // within the next step
+        if (clock_.pending_heat + dt_ <= std::min(allowed, heat_->interval_of_ice()) && remaining > 0.5 * dt_ && !switches) return;
         const int substeps = std::max(1, static_cast<int>(std::ceil(clock_.pending_heat / allowed * (1.0 - 1e-9))));
         heat_->advance(grid_, supports_, points_, clock_.pending_heat, substeps, true);
     }
@@ -206,6 +208,7 @@ std::vector<StateColumn> Simulation::state() {
     const auto append = [&](std::vector<StateColumn> more) { columns.insert(columns.end(), more.begin(), more.end()); };
     for (Wall& wall : walls_) append(wall.state());
     append(ledger_.state());
+    append({{"stages", "-", "kinetic energy over internal work of the stages that ended before they came to rest; 0 = none", {""}, unrest_.data(), unrest_.size()}});
     if (heat_) append(heat_->state());
     if (phase_change_strain_) append(phase_change_strain_->state());
     append({{"clock", "SI", "time s, steps, stage, start of the stage s, internal work J and gravity m/s2 at that start, steps at rest, heat yet to come s",

@@ -54,7 +54,7 @@ public:
     const Points& points() const { return points_; }
     Points& points() { return points_; } // for initial conditions beyond what a scene says
     const std::vector<Wall>& walls() const { return walls_; }
-    const std::vector<std::string>& warnings() const { return warnings_; } // of stages that ended as they should not
+    std::vector<std::string> warnings() const; // of stages that ended before they came to rest, also before a restart
     const Ledger& ledger() const { return ledger_; }
     bool mechanics() const { return points_.mechanical; } // else heat alone
     const HeatSolver* heat() const { return heat_.get(); } // null where the scene has none
@@ -116,7 +116,7 @@ private:
     Schedule schedule_;
     Ledger ledger_;
     Clock clock_;
-    std::vector<std::string> warnings_;
+    std::vector<double> unrest_; // by stage: kinetic energy over internal work where it ended before rest; 0 = at rest, or not asked
 
     // Of the present step.
     double dt_ = 0.0;         // s

@@ -69,13 +69,21 @@ void Simulation::leave_stage_when_done() {
     const bool at_rest = is_at_rest();
     if (remaining > rounding && !at_rest) return;
     if (stage.energy_ratio && !at_rest)
-        warnings_.push_back(fmt::format("stage \"{}\" ended at its latest time before it came to rest: kinetic energy is {:.2g} of its internal work, asked for were {:.2g}",
-                                        stage.name, ledger_.kinetic / std::abs(ledger_.internal_work - clock_.internal_work_at_stage_start), *stage.energy_ratio));
+        unrest_[static_cast<std::size_t>(this->stage())] = ledger_.kinetic / std::max(std::abs(ledger_.internal_work - clock_.internal_work_at_stage_start), 1e-300);
     const Vector gravity = gravity_at(clock_.time);
     clock_.gravity_x = gravity[0], clock_.gravity_y = gravity[1];
     clock_.steps_at_rest = 0.0;
     clock_.stage += 1.0;
     enter_stage();
+}
+
+std::vector<std::string> Simulation::warnings() const {
+    std::vector<std::string> out;
+    for (std::size_t k = 0; k < unrest_.size(); ++k)
+        if (unrest_[k] > 0.0)
+            out.push_back(fmt::format("stage \"{}\" ended at its latest time before it came to rest: kinetic energy is {:.2g} of its internal work, asked for were {:.2g}",
+                                      scene_.stages[k].name, unrest_[k], *scene_.stages[k].energy_ratio));
+    return out;
 }
 
 double Simulation::end_time() const {

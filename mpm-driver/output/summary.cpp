@@ -73,6 +73,16 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
     json["time_end"] = simulation.time();
     json["points"] = simulation.points().count();
     json["rves"] = facts.rves;
+    for (const PackingFact& packing : facts.packings) {
+        Json row = {{"seed", packing.seed}, {"void_ratio", packing.void_ratio}};
+        if (packing.vertical_stress > 0.0) {
+            row["vertical_stress_Pa"] = packing.vertical_stress;
+            row["K0"] = packing.lateral_stress / packing.vertical_stress;
+        } else {
+            row["pressure_Pa"] = packing.pressure;
+        }
+        json["packings"].push_back(row);
+    }
     json["rve_evaluations"] = {{"asked", facts.evaluations_asked}, {"done", facts.evaluations_done}, {"avoided", Json::object()}};
     json["rve_split_steps"] = facts.split_steps;
     json["dem_time_step_s"] = facts.dem_time_step;

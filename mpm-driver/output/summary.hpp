@@ -15,10 +15,19 @@ struct Effects {
 };
 Effects effects_of(const Scene& scene);
 
+// A packing that RVEs start from, and the stress that it starts with.
+struct PackingFact {
+    std::uint64_t seed = 0;
+    double void_ratio = 0.0;                             // area based, -
+    double pressure = 0.0;                               // Pa, isotropic, compression positive
+    double vertical_stress = 0.0, lateral_stress = 0.0;  // Pa, of a snapshot along a K0 path; 0 = isotropic
+};
+
 // What a run adds to what the simulation itself knows.
 struct RunFacts {
     std::string farm;                        // "rve-farm 0.1.0, 2 threads"; empty where no RVE is called for
     std::int64_t rves = 0;
+    std::vector<PackingFact> packings;
     std::int64_t evaluations_asked = 0, evaluations_done = 0;
     std::int64_t rves_without_contacts = 0;  // at the end
     std::int64_t split_steps = 0;            // RVE steps that took more sub-steps than asked for

@@ -150,6 +150,39 @@ TEST_CASE("walls, corners, heaters and fluxes are booked to rounding, and held g
     CHECK(books.heat(3) > 0.0);
 }
 
+TEST_CASE("a heater is switched by the scene's clock, however fast heat's own runs", "[heat]") {
+    for (const double scale : {1.0, 1000.0}) {
+        Scene scene = heat_scene(soil_material(), {0.4, 0.3}, 0.05, 5.0);
+        HeaterSpec heater;
+        heater.name = "heater";
+        heater.box = {Vector(0.2, 0.1), Vector(0.25, 0.15)};
+        heater.value.constant = 12.0;
+        heater.begins = 2000.0 / scale;
+        scene.heat->heaters = {heater};
+        scene.heat->time_scale = scale;
+        scene.step.fixed = 100.0 / scale;
+        auto simulation = start_heat(scene);
+        for (int k = 0; k < 20; ++k) simulation->step(simulation->next_step()); // up to 2000 s of heat
+        CAPTURE(scale);
+        CHECK(simulation->heat()->books().heat(0) == 0.0);
+        simulation->step(simulation->next_step());
+        CHECK(simulation->heat()->books().heat(0) > 0.0);
+    }
+}
+
+TEST_CASE("a heater that begins after the end of the scene is named in a warning", "[heat]") {
+    Scene scene = freezing_square();
+    HeaterSpec heater;
+    heater.name = "late";
+    heater.box = {Vector(0.2, 0.1), Vector(0.25, 0.15)};
+    heater.value.constant = 12.0;
+    heater.begins = 2e12; // the stage ends at 1e12 s
+    scene.heat->heaters = {heater};
+    const std::vector<std::string> warnings = start_heat(scene)->heat()->warnings();
+    REQUIRE(warnings.size() == 1);
+    CHECK(says(warnings[0], "the heater \"late\" stays off"));
+}
+
 TEST_CASE("dry rock beside wet ground that freezes stays in the range of temperatures", "[eq9]") {
     Scene scene = freezing_square();
     ThermalMaterialSpec rock = soil_material();

@@ -79,6 +79,20 @@ TEST_CASE("a stage that ends at its latest time instead of at rest leaves a warn
     CHECK(says(simulation->warnings()[0], "asked for were 1e-09"));
 }
 
+TEST_CASE("what a stage warned of is known after a restart too", "[stage][restart]") {
+    Scene scene = column();
+    scene.stages[0].energy_ratio = 1e-9;
+    scene.stages[0].duration = 0.02;
+    scene.stages.push_back(scene.stages[0]);
+    scene.stages[1].energy_ratio.reset();
+    auto through = start(scene), restarted = start(scene);
+    while (through->stage() == 0) take_steps(*through, 1);
+    const auto from = through->state(), to = restarted->state();
+    for (std::size_t c = 0; c < from.size(); ++c) std::copy_n(from[c].data, from[c].size(), to[c].data);
+    REQUIRE(through->warnings().size() == 1);
+    CHECK(restarted->warnings() == through->warnings());
+}
+
 TEST_CASE("a restart in the middle of a ramped stage goes on with the same bits, through the end of the stage at rest", "[stage][restart]") {
     Scene scene = column();
     scene.stages[0].particle_damping = 50.0;
