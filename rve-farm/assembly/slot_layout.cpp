@@ -43,6 +43,8 @@ void SlotLayout::sort_discs(const AssemblyView& s) {
     for (std::size_t i = 0; i < discs; ++i) ++count_[key(i) + 1];
     for (std::size_t k = 1; k < count_.size(); ++k) count_[k] += count_[k - 1];
     disc.assign(static_cast<std::size_t>(disc_slots()), -1);
+    own_rows.resize(disc.size());
+    for (std::size_t k = 0; k < own_rows.size(); ++k) own_rows[k] = static_cast<std::int32_t>(4 * k);
     slot_of_disc.resize(discs);
     for (std::size_t i = 0; i < discs; ++i) {
         const std::int32_t slot = count_[key(i)]++;
@@ -70,7 +72,7 @@ void SlotLayout::place_contacts(const AssemblyView& s) {
         for (int c = group_begin[static_cast<std::size_t>(g)]; c < group_begin[static_cast<std::size_t>(g) + 1]; ++c) {
             const int lane = (c - group_begin[static_cast<std::size_t>(g)]) % lanes;
             owner[static_cast<std::size_t>(c)] = partner[static_cast<std::size_t>(c)] = 4 * (g * lanes + lane);
-            row[static_cast<std::size_t>(c)] = 4 * (c - lane + shape.row_of_lane(lane));
+            row[static_cast<std::size_t>(c)] = 4 * (c - lane + shape.row_of_lane[lane]);
         }
     next_.assign(static_cast<std::size_t>(s.disc_count()), 0);
     for (int k = 0; k < s.contact_count(); ++k) {
@@ -99,7 +101,7 @@ void SlotLayout::list_incoming() {
 }
 
 void SlotLayout::list_runs() {
-    const int set = shape.rows_of_a_vector();
+    const int set = shape.rows_of_a_vector;
     runs.clear();
     incoming_of_sets.clear();
     const auto degree_of = [&](int k) { return incoming_begin[static_cast<std::size_t>(k) + 1] - incoming_begin[static_cast<std::size_t>(k)]; };

@@ -12,16 +12,13 @@
 
 namespace talik::farm {
 
-// Of a kernel: how wide its groups are, and whether the rows of contact forces of a group are transposed within blocks of
-// four lanes only (lanes.hpp, store_rows).
+// Of a kernel: how wide its groups are, how many rows of discs a vector holds, and in which order it writes the rows of
+// contact forces of a group.
 struct LaneShape {
-    int lanes = 1;
-    bool transposed_rows = false;
-    int rows_of_a_vector() const { return lanes >= 4 ? lanes / 4 : 1; }
+    int lanes = 1, rows_of_a_vector = 1;
+    std::int8_t row_of_lane[64] = {};
 
     bool operator==(const LaneShape&) const = default;
-    // Where the row of lane `lane` lies within its group of rows.
-    int row_of_lane(int lane) const { return transposed_rows ? lane % 4 * (lanes / 4) + lane / 4 : lane; }
 };
 
 // Neighbouring sets of discs that receive the same number of contacts. A set is as many discs as a vector holds rows.
@@ -42,6 +39,7 @@ public:
 
     std::vector<std::int32_t> disc;          // of each disc slot; -1: none
     std::vector<std::int32_t> slot_of_disc;
+    std::vector<std::int32_t> own_rows;      // of each disc slot: 4 * slot
     std::vector<std::int32_t> group_begin;   // contact slots of each group; groups + 1 entries
     std::vector<std::int32_t> contact;       // of each contact slot; -1: none
     std::vector<std::int32_t> owner, partner; // of each contact slot, rows of disc slots: 4 * slot; of an inert one twice its own disc

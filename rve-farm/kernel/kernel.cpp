@@ -26,7 +26,7 @@ bool this_machine_has(Level level) {
 }
 
 std::array<Kernel, 2> both(Level level, const LevelKernels& k) {
-    return {Kernel{level, Precision::single_, {k.single_lanes, true}, k.single_}, Kernel{level, Precision::double_, {k.double_lanes, false}, k.double_}};
+    return {Kernel{level, Precision::single_, k.single_shape, k.single_}, Kernel{level, Precision::double_, k.double_shape, k.double_}};
 }
 
 std::array<Kernel, 2> kernels_of(Level level) {
@@ -36,7 +36,7 @@ std::array<Kernel, 2> kernels_of(Level level) {
     case Level::avx2: return both(level, avx2_kernels());
     case Level::avx512: return both(level, avx512_kernels());
     }
-    return {Kernel{level, Precision::single_, {1, false}, run_plain_single}, Kernel{level, Precision::double_, {1, false}, run_plain_double}};
+    return {Kernel{level, Precision::single_, LaneShape{}, run_plain_single}, Kernel{level, Precision::double_, LaneShape{}, run_plain_double}};
 }
 
 constexpr std::array all_levels = {Level::plain, Level::sse4, Level::avx2, Level::avx512};

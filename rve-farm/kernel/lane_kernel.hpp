@@ -30,21 +30,10 @@ struct RowPack {
     }
     // x and y of each row change places; so do the other two.
     static HWY_INLINE Pack<T> swapped(Pack<T> v) {
-        if constexpr (sizeof(T) == 4) return hn::Shuffle2301(v.v);
-        else return hn::Shuffle01(v.v);
+        if constexpr (sizeof(T) == 4) return hn::Shuffle2301(v.v[0]);
+        else return hn::Shuffle01(v.v[0]);
     }
 };
-
-// A vector of rows from wherever they lie: piece p of them (half rows, where a vector is shorter than a row).
-template <class D>
-HWY_INLINE hn::Vec<D> gather_row_vector(D d, const hn::TFromD<D>* rows, const std::int32_t* index) {
-    if constexpr (hn::MaxLanes(D()) <= 4) {
-        return hn::Load(d, rows + index[0]);
-    } else {
-        const hn::Half<D> half;
-        return hn::Combine(d, gather_row_vector(half, rows, index + hn::MaxLanes(half) / 4), gather_row_vector(half, rows, index));
-    }
-}
 
 // Sums of a sub-step that the ledger takes from the discs.
 struct DiscBooks {
@@ -95,7 +84,7 @@ HWY_INLINE DiscSweep<T> move_run(const Physics& physics, const DiscConstants<T> 
         for (int p = 0; p < Rows::pieces; ++p) {
             const int k = 4 * (run.first_slot + n * set) + p * P::lanes;
             P force = P::load(forces + k);
-            for (int m = 0; m < degree; ++m) force += P(gather_row_vector(tag, rows + p * P::lanes, incoming + m * set));
+            for (int m = 0; m < degree; ++m) force += P(load_units<P::lanes < 4 ? P::lanes : 4, 1>(tag, rows + p * P::lanes, incoming + m * set));
             const P v = P::load(velocities + k), im = P::load(inverse_masses + k), u = P::load(displacements + k);
             P damped;
             P next = kicked(physics, force, v, c.kick, im, damped);
@@ -135,7 +124,7 @@ HWY_INLINE void move_discs(const Physics& physics, const SlotLayout& layout, con
         case 4: sweep = move_run<4, ledger>(physics, c, run, incoming, w, sweep); break;
         default: sweep = move_run<-1, ledger>(physics, c, run, incoming, w, sweep);
         }
-        incoming += run.degree * run.sets * layout.shape.rows_of_a_vector();
+        incoming += run.degree * run.sets * layout.shape.rows_of_a_vector;
     }
     largest_squared = sweep.largest_squared;
     if constexpr (ledger) {
@@ -157,27 +146,40 @@ struct ContactBooks {
     Virial<double> virial;
 };
 
+// The same law on packs of contacts.
+template <class T>
+using Contacts = Pack<T, vectors_of_contacts>;
+inline NoBond of_contacts(const NoBond&) { return {}; }
+template <class T>
+BrittleBond<Contacts<T>> of_contacts(const BrittleBond<Pack<T>>& b) { return {b.normal_strength, b.tangential_strength, b.strength_factor}; }
+template <class T, class Physics>
+auto physics_of_contacts(const Physics& p) {
+    const ContactLaw<Contacts<T>> contact{p.contact.normal_stiffness, p.contact.tangential_stiffness, p.contact.friction};
+    return farm::Physics<decltype(of_contacts(p.bond)), NoDamping, NoFluctuation, Contacts<T>>{contact, of_contacts(p.bond), {}, {}};
+}
+
 template <bool ledger, class T, class Physics>
-HWY_INLINE void step_contacts(const Physics& physics, const CellMotion<Pack<T>>& cell, T beta_of_now, const SlotLayout& layout, LaneWork<T>& w, ContactBooks& books) {
-    using P = Pack<T>;
+HWY_INLINE void step_contacts(const Physics& physics, const CellMotion<Contacts<T>>& cell, T beta_of_now, const SlotLayout& layout, LaneWork<T>& w, ContactBooks& books) {
+    using P = Contacts<T>;
     const hn::ScalableTag<T> d;
     [[maybe_unused]] P friction_sum, bond_sum, xx_sum, yy_sum, xy_sum;
     [[maybe_unused]] const P beta(beta_of_now);
     using F = ContactField;
     constexpr int block = F::count(Physics::with_bonds, ledger) * P::lanes;
     const std::int32_t* HWY_RESTRICT partner = layout.partner.data();
+    const std::int32_t* HWY_RESTRICT own_rows = layout.own_rows.data();
     const std::int32_t* HWY_RESTRICT group_begin = layout.group_begin.data();
     const T* HWY_RESTRICT displacement = w.displacement;
     T* HWY_RESTRICT field = w.blocks;
     T* HWY_RESTRICT rows = w.contact_force;
     for (int g = 0; g < layout.groups; ++g) {
-        typename P::V own_x, own_y, own_rotation, unused;
-        hn::LoadInterleaved4(d, displacement + 4 * g * P::lanes, own_x, own_y, own_rotation, unused);
+        P own_x, own_y, own_rotation;
+        gather_rows(displacement, own_rows + g * P::lanes, own_x, own_y, own_rotation);
         P sum_x, sum_y, sum_torque;
         for (int k = group_begin[g]; k < group_begin[g + 1]; k += P::lanes, partner += P::lanes, field += block, rows += 4 * P::lanes) {
             P x, y, rotation;
             gather_rows(displacement, partner, x, y, rotation);
-            const RelativeMotion<P> moved{x - P(own_x), y - P(own_y), rotation + P(own_rotation), P(own_rotation) - rotation};
+            const RelativeMotion<P> moved{x - own_x, y - own_y, rotation + own_rotation, own_rotation - rotation};
             const auto get = [&](int f) HWY_ATTR { return P::load(field + f * P::lanes); };
             const auto put = [&](int f, P value) HWY_ATTR { value.store(field + f * P::lanes); };
             const ContactStart<P> start{get(F::normal_x), get(F::normal_y), get(F::length), get(F::inverse_length), get(F::overlap), get(F::half_difference), get(F::tangential_start)};
@@ -211,7 +213,8 @@ HWY_INLINE void step_contacts(const Physics& physics, const CellMotion<Pack<T>>&
                 xy_sum += action.x * by + action.y * bx;
             }
         }
-        hn::StoreInterleaved4(sum_x.v, sum_y.v, sum_torque.v, hn::Zero(d), d, w.force + 4 * g * P::lanes);
+        for (int k = 0; k < vectors_of_contacts; ++k) // in the order of the discs
+            hn::StoreInterleaved4(sum_x.v[k], sum_y.v[k], sum_torque.v[k], hn::Zero(d), d, w.force + 4 * (g * P::lanes + k * Pack<T>::lanes));
     }
     if constexpr (ledger) {
         books.friction = friction_sum.sum();
@@ -240,6 +243,7 @@ ChunkOutcome run_lanes(const Physics& physics, const ContactLaw<double>& law, co
     ChunkLedger booked;
     WorkLedger work(ledger ? virial_at_start(w, layout) : Virial<double>{});
     Stretch stretch = request.stretch;
+    const auto contacts = physics_of_contacts<T>(physics);
     P largest_squared;
     outcome.load_seconds = clock.lap();
     for (int step = 0; step < request.substeps; ++step) {
@@ -248,7 +252,7 @@ ChunkOutcome run_lanes(const Physics& physics, const ContactLaw<double>& law, co
                            largest_squared, of_discs); // Eqs. (44)-(46)
         cell.advance(stretch);
         ContactBooks of_contacts;
-        step_contacts<ledger>(physics, cell.template as<P>(), static_cast<T>(request.beta), layout, w, of_contacts); // Eqs. (5)-(7)
+        step_contacts<ledger>(contacts, cell.template as<Contacts<T>>(), static_cast<T>(request.beta), layout, w, of_contacts); // Eqs. (5)-(7)
         if constexpr (ledger) {
             booked.damping += of_discs.damping;
             booked.friction += of_contacts.friction;
@@ -276,6 +280,15 @@ ChunkOutcome run(const RveParameters& parameters, const ChunkRequest& request, A
                                  : run_lanes<false, T>(physics, law, request, s, columns, layout, memory);
     });
     return outcome;
+}
+
+template <class T>
+LaneShape shape() {
+    LaneShape s;
+    s.lanes = Contacts<T>::lanes;
+    s.rows_of_a_vector = Pack<T>::lanes >= 4 ? Pack<T>::lanes / 4 : 1;
+    row_order<T, vectors_of_contacts>(s.row_of_lane);
+    return s;
 }
 
 } // namespace talik::farm::inline HWY_NAMESPACE

@@ -4,6 +4,6 @@
 
 namespace talik::farm {
 
-LevelKernels avx512_kernels() { return {Pack<float>::lanes, Pack<double>::lanes, &run<float>, &run<double>}; }
+LevelKernels avx512_kernels() { return {shape<float>(), shape<double>(), &run<float>, &run<double>}; }
 
 } // namespace talik::farm

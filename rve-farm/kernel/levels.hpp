@@ -6,7 +6,7 @@ namespace talik::farm {
 
 using RunChunk = ChunkOutcome (*)(const RveParameters&, const ChunkRequest&, AssemblyView&, const ColumnChoice&, const SlotLayout&, WorkMemory&);
 struct LevelKernels {
-    int single_lanes, double_lanes;
+    LaneShape single_shape, double_shape;
     RunChunk single_, double_;
 };
 LevelKernels sse4_kernels();

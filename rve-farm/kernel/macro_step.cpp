@@ -12,10 +12,17 @@
 namespace talik::farm {
 namespace {
 
-// So that no branch turns or stretches by more than largest_turn_of_a_branch in a chunk: strain of the cell, and displacement
-// of any disc over the smallest radius (a branch is at least two of them long, and has two ends).
-constexpr double largest_strain_of_a_chunk = 0.01, largest_displacement_of_a_chunk = 0.045;
-static_assert(largest_strain_of_a_chunk + largest_displacement_of_a_chunk <= largest_turn_of_a_branch);
+// So that no branch turns or stretches by more than largest_turn_of_a_branch in a chunk: a quarter of it is left to the strain
+// of the cell, three to the displacement of any disc over the smallest radius (a branch is at least two of them long, and has
+// two ends).
+struct ChunkBounds {
+    double strain, displacement;
+};
+ChunkBounds bounds_of(Precision precision) {
+    const double turn = precision == Precision::single_ ? largest_turn_of_a_branch<float> : largest_turn_of_a_branch<double>;
+    return {turn / 4, turn * 3 / 4};
+}
+
 // Over the smallest radius, in a single sub-step, which cannot be shortened: beyond it discs have exploded. (The series are
 // then off by up to 1e-4 of an angle, which a collision of that violence does not notice.)
 constexpr double largest_displacement_of_a_sub_step = 0.1;
@@ -27,8 +34,8 @@ struct ChunkFit {
     double allowed() const { return std::min(by_list, by_series); }
 };
 
-ChunkFit fit(const AssemblyNumbers& n, double strain, int substeps) {
-    const double largest = substeps == 1 ? largest_displacement_of_a_sub_step : largest_displacement_of_a_chunk;
+ChunkFit fit(const AssemblyNumbers& n, Precision precision, double strain, int substeps) {
+    const double largest = substeps == 1 ? largest_displacement_of_a_sub_step : bounds_of(precision).displacement;
     return {displacement_left(n, strain), largest * n.smallest_radius};
 }
 
@@ -49,11 +56,11 @@ int take_chunk(const Stepper& stepper, Assembly& rve, int substeps, const Stretc
         return status == Status::ok;
     };
     // As long as the discs may be expected to move within the bound: a chunk that must be taken again is dear.
-    const double series_bound = largest_displacement_of_a_chunk * n.smallest_radius;
+    const double series_bound = bounds_of(stepper.kernel->precision).displacement * n.smallest_radius;
     if (1.5 * n.last_displacement * substeps > series_bound) substeps = std::clamp(static_cast<int>(series_bound / (1.5 * n.last_displacement)), 1, substeps);
-    if (!fresh && n.last_displacement * substeps >= fit(n, strain * substeps, substeps).by_list && !rebuild()) return 0;
+    if (!fresh && n.last_displacement * substeps >= fit(n, stepper.kernel->precision, strain * substeps, substeps).by_list && !rebuild()) return 0;
     for (;;) {
-        const ChunkFit fits = fit(n, strain * substeps, substeps);
+        const ChunkFit fits = fit(n, stepper.kernel->precision, strain * substeps, substeps);
         ChunkRequest request;
         request.stretch = stretch;
         request.substeps = substeps;
@@ -129,7 +136,7 @@ Answer advance(const Stepper& stepper, Assembly& rve, const MacroStep& step, Sta
     if (substeps > step.substeps) ++n.split_steps;
     Stretch stretch = stretch_of(step.xx / substeps, step.xy / substeps, step.yx / substeps, step.yy / substeps, n.frame_angle);
     const double strain = stretch.largest_strain();
-    const int longest = strain > 0 ? static_cast<int>(std::clamp(largest_strain_of_a_chunk / strain, 1.0, 1e6)) : substeps;
+    const int longest = strain > 0 ? static_cast<int>(std::clamp(bounds_of(stepper.kernel->precision).strain / strain, 1.0, 1e6)) : substeps;
     ChunkOutcome outcome;
     for (int left = substeps; left > 0;) {
         outcome = ChunkOutcome();
