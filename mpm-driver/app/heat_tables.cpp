@@ -1,4 +1,5 @@
 // The tables of keys of [heat].
+#include <algorithm>
 #include <array>
 #include <filesystem>
 
@@ -163,6 +164,20 @@ double mixture_density(const ThermalMaterialSpec& m) {
     return (1.0 - m.porosity) * m.grain_density + m.porosity * m.saturation * m.water_density;
 }
 
+namespace {
+
+// A fixed step of heat alone (with mechanics heat takes sub-steps of its own).
+void check_step(const Scene& scene, const ThermalMaterial& material, const Value& document, Faults& faults) {
+    const double largest = material.largest_step(scene.domain.cell) / scene.heat->time_scale; // s
+    const bool used = std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const BodySpec& b) { return b.material == material.name(); });
+    if (!used || scene.mechanics() || !scene.step.fixed || *scene.step.fixed <= largest * (1.0 + 1e-9)) return;
+    faults.push_back({document.find("step")->find("fixed")->position, "step.fixed",
+                      fmt::format("{:g} s is beyond the largest stable step of heat in material \"{}\", {:.4g} s (Eq. 43 with b = 2)", *scene.step.fixed, material.name(), largest),
+                      fmt::format("use \"auto\", or at most {:.3g} s", 2.0 / scene.heat->stability * largest)});
+}
+
+} // namespace
+
 void resolve_heat_files(Scene& scene, const Value& document, Faults& faults) {
     const auto folder = std::filesystem::path(scene.file).parent_path();
     const Value* heat = document.find("heat");
@@ -194,7 +209,7 @@ void resolve_heat_files(Scene& scene, const Value& document, Faults& faults) {
     });
     if (!faults.empty()) return;
     try { // what the tables themselves hold: a curve that is not monotonic, times out of order
-        for (const ThermalMaterialSpec& m : scene.heat->materials) ThermalMaterial{m};
+        for (const ThermalMaterialSpec& m : scene.heat->materials) check_step(scene, ThermalMaterial(m), document, faults);
         for (const HeatBoundarySpec& b : scene.heat->boundaries) TimeValue(b.value, b.name);
         for (const HeaterSpec& h : scene.heat->heaters) TimeValue(h.value, h.name);
         for (const HeatSourceSpec& s : scene.heat->sources) TimeValue(s.value, s.name);

@@ -16,10 +16,9 @@ HeatLimit HeatSolver::limit(const Grid& grid, const Points& points) const {
     double ramp = 1e300; // K, the narrowest freezing interval
     for (const std::size_t m : material_of_body_) {
         const ThermalMaterial& material = materials_[m];
-        const double capacity = material.least_capacity(), conductivity = spec_.time_scale * material.most_conductivity() * material.largest_anisotropy();
-        const double step = capacity * h * h / (2.0 * conductivity); // Eq. (43) with b = 2, s
+        const double step = material.largest_step(h) / spec_.time_scale; // s
         if (material.curve().most() > 0.0) ramp = std::min(ramp, material.curve().corners().front() - material.curve().corners().back());
-        if (step < limit.step) limit = {step, 0.0, capacity, conductivity / spec_.time_scale, 0.0};
+        if (step < limit.step) limit = {step, 0.0, material.least_capacity(), material.most_conductivity() * material.largest_anisotropy(), 0.0};
     }
     if (!points.deformation.empty()) { // opened ground holds less heat per volume
         double most = 1.0;

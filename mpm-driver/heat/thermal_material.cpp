@@ -86,6 +86,11 @@ double ThermalMaterial::enthalpy(const ThermalState& state) const {
     return sensible - latent_ * frozen_fraction(state);
 }
 
+// C h^2 / (2 k), C the sensible capacity, J/(m^3 K), k the largest conductivity along any axis, W/(m K).
+double ThermalMaterial::largest_step(double cell) const {
+    return least_capacity() * cell * cell / (2.0 * most_conductivity() * largest_anisotropy());
+}
+
 double ThermalMaterial::capacity_at(double temperature) const {
     // Eq. (A2): C = rho c - L rho_s d theta_s / dT, J/(m^3 K)
     return thawed_capacity_ + frozen_change_ * (temperature < curve_.top() ? curve_.fraction(temperature) : 0.0) - latent_ * curve_.slope(temperature);

@@ -28,6 +28,7 @@ public:
     ThermalState state_of(double enthalpy) const; // the exact inverse
     // At rest at a temperature: just at the top, thawed. A start "frozen" must lie below it.
     double frozen_fraction(const ThermalState& state) const; // f, -
+    double largest_step(double cell) const;                  // s, stable: Eq. (43) with b = 2
     double latent() const { return latent_; }                // L rho_s theta_s of all its ice, J/m^3
     double capacity_at(double temperature) const;            // dH/dT, J/(m^3 K): sensible and latent, Eq. (A2)
 

@@ -77,6 +77,9 @@ TEST_CASE("what is wrong with heat in a scene is said with its line, its key and
     CHECK_CONTAINS(broken("residual_temperature = \"-0.5 C\"", "curve = \"table\"\ncurve_file = \"absent.csv\""), "absent.csv\" does not exist (mend the path: it is meant relative to the scene)");
     write_file_atomically(test_file("wavy.csv"), "temperature_C,unfrozen_saturation\n-4,0.4\n-1,0.1\n0,1\n");
     CHECK_CONTAINS(broken("residual_temperature = \"-0.5 C\"", "curve = \"table\"\ncurve_file = \"" + test_file("wavy.csv") + "\""), "wavy.csv:3: heat: the freezing curve is not monotonic");
+    // C h^2 / (2 k) of the frozen soil: (0.57 * 2650 * 900 + 430 * 2100) * 0.01 / (2 * 2.92^0.57 * 2.24^0.43) = 4342 s
+    CHECK_CONTAINS(broken("[[stage]]", "[step]\nfixed = \"2 h\"\n[[stage]]"), "heat_scene_test.toml:27: step.fixed: 7200 s is beyond the largest stable step of heat in material \"soil\", 4342 s");
+    CHECK(broken("[[stage]]", "[step]\nfixed = \"1 h\"\n[[stage]]") == "");
     CHECK_CONTAINS(broken("law = \"none\"", "law = \"elastic\""), "body.0.law: \"elastic\" needs the table [elastic]");
     CHECK_CONTAINS(broken("[[stage]]", "[[body]]\nname = \"other\"\nbox = [[0, 1], [1, 2]]\nlaw = \"elastic\"\nmaterial = \"soil\"\ntemperature = 0\n[elastic]\nyoung = 1e6\npoisson = 0.2\n[[stage]]"),
                    "body.0.law: \"none\" is given beside bodies with a law");
