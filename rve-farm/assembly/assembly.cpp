@@ -9,6 +9,8 @@
 #include <tuple>
 #include <type_traits>
 
+#include <fmt/format.h>
+
 #include "common/base/error.hpp"
 #include "rve-farm/assembly/neighbours.hpp"
 #include "rve-farm/physics/physics_choice.hpp"
@@ -78,6 +80,9 @@ Assembly::Assembly(const RveParameters& parameters, const Packing& packing) : nu
     for (double radius : packing.radius) mean_radius += radius / static_cast<double>(packing.disc_count());
     numbers_->mean_radius = mean_radius;
     const bool fixed = parameters.skin > 0;
+    const double largest = *std::max_element(packing.radius.begin(), packing.radius.end());
+    require(parameters.skin <= 10 * largest, fmt::format("a skin of {:g} m is more than ten times the largest radius, {:g} m", parameters.skin, largest),
+            "leave it out, or give less");
     numbers_->skin = fixed ? parameters.skin : first_skin * mean_radius;
     numbers_->narrowest_skin = fixed ? parameters.skin : narrowest_skin * mean_radius;
     numbers_->widest_skin = fixed ? parameters.skin : widest_skin * mean_radius;

@@ -206,6 +206,26 @@ void reorder_contacts(AssemblyView& s, const ColumnChoice& columns, Scratch& scr
     s.numbers->contact_count = static_cast<std::int64_t>(list.size());
 }
 
+// All pairs within the skin, in canonical order; false where there is no room for them.
+bool find_candidates(const AssemblyView& s, const ColumnChoice& columns, Search search, Scratch& scratch) {
+    const AssemblyNumbers& n = *s.numbers;
+    const Cell cell(n);
+    const double reach = 2 * n.largest_radius + n.skin;
+    const Bins bins(cell, reach);
+    const bool linked = search != Search::brute_force && bins.usable();
+    if (linked) fill_bins(s, cell, bins, scratch);
+    scratch.candidates.clear();
+    for (int i = 0; i < s.disc_count(); ++i) {
+        const std::size_t begin = scratch.candidates.size();
+        if (linked) find_by_bins(s, cell, bins, scratch, i, scratch.candidates);
+        else find_by_brute_force(s, cell, i, reach, scratch.candidates);
+        find_old_slots(s, columns, i, begin, scratch.candidates);
+        std::sort(scratch.candidates.begin() + static_cast<std::ptrdiff_t>(begin), scratch.candidates.end(), before);
+        if (scratch.candidates.size() > static_cast<std::size_t>(n.contact_capacity)) return false;
+    }
+    return true;
+}
+
 } // namespace
 
 void index_owned(AssemblyView& s) {
@@ -235,25 +255,19 @@ void choose_skin(AssemblyNumbers& n) {
 
 Status rebuild_neighbours(AssemblyView& s, const ColumnChoice& columns, Search search) {
     thread_local Scratch scratch;
+    const double old_skin = s.numbers->skin; // m
     choose_skin(*s.numbers);
     reduce_and_remap(s);
     if (!wrap_into_the_cell(s, scratch)) return Status::not_finite;
     keep_own_images_canonical(s);
 
     AssemblyNumbers& n = *s.numbers;
-    const Cell cell(n);
-    const double reach = 2 * n.largest_radius + n.skin;
-    const Bins bins(cell, reach);
-    const bool linked = search != Search::brute_force && bins.usable();
-    if (linked) fill_bins(s, cell, bins, scratch);
-    scratch.candidates.clear();
-    for (int i = 0; i < s.disc_count(); ++i) {
-        const std::size_t begin = scratch.candidates.size();
-        if (linked) find_by_bins(s, cell, bins, scratch, i, scratch.candidates);
-        else find_by_brute_force(s, cell, i, reach, scratch.candidates);
-        find_old_slots(s, columns, i, begin, scratch.candidates);
-        std::sort(scratch.candidates.begin() + static_cast<std::ptrdiff_t>(begin), scratch.candidates.end(), before);
-        if (scratch.candidates.size() > static_cast<std::size_t>(n.contact_capacity)) return Status::contact_list_full;
+    while (!find_candidates(s, columns, search, scratch)) { // small discs crowded among large ones: less skin, sooner spent
+        if (n.skin <= n.narrowest_skin) {
+            n.skin = old_skin; // of the list that stays
+            return Status::contact_list_full;
+        }
+        n.skin = std::max(n.skin / 2, n.narrowest_skin);
     }
     reorder_contacts(s, columns, scratch);
     index_owned(s);

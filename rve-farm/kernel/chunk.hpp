@@ -299,7 +299,7 @@ void close_chunk(const ChunkRequest& request, const ChunkMotion& cell, const Con
     close_contacts(cell, layout, law, w, s, request.give_back, answer, virial, fabric, force_sum);
     const DiscSums discs = close_discs(cell, layout, w, s, request.give_back, owner_sums_are_ready, largest_drift_squared);
     virial.xx += discs.fluctuation.xx, virial.yy += discs.fluctuation.yy, virial.xy += discs.fluctuation.xy;
-    if (request.substeps > 0) { // see Ledger of work, below: what the last sub-step's forces owe
+    if (request.ledger && request.substeps > 0) { // see WorkLedger, below: what the last sub-step's forces owe
         const Symmetric g = outcome.last_stretch.change_seen_from_the_end();
         ledger.work += request.sub_step * (discs.force_xx * g.xx + discs.force_yy * g.yy + 2 * discs.force_xy * g.xy) / 2;
     }
@@ -316,7 +316,7 @@ void close_chunk(const ChunkRequest& request, const ChunkMotion& cell, const Con
     answer.stiffness = stiffness_bound(fabric, law, volume);
     answer.coordination_number = 2.0 * answer.contacts / count;
     answer.broken_bonds = static_cast<int>(n.activated_bonds) - answer.bonds;
-    answer.unbalanced_force = answer.contacts == 0 ? 0 : discs.unbalanced / count / (force_sum / answer.contacts); // mean |F| / mean |f|
+    answer.unbalanced_force = force_sum > 0 ? discs.unbalanced / count / (force_sum / answer.contacts) : 0; // mean |F| / mean |f|; bonds may be without force
     answer.kinetic_energy = discs.kinetic;
     answer.friction_dissipation = n.friction_dissipation;
     answer.damping_dissipation = n.damping_dissipation;

@@ -92,7 +92,7 @@ TALIK_HOST_DEVICE ContactAction<Real> contact_step(const Physics& physics, const
         const auto holds = held & !breaks; // what breaks obeys the unbonded law, on the same step
         if constexpr (ledger) {
             const Real opening = branch.length_change - memory.length_change;
-            const Real slip = (old_tangential - trial.tangential) / kt;
+            const Real slip = (old_tangential - trial.tangential) * (Real(2) * physics.contact.half_tangential_compliance);
             loss.bond = choose(breaks, physics.contact.breaking_loss(trial, force, opening, slip), Real(0));
             friction_loss = choose(held, Real(0), friction_loss);
         }

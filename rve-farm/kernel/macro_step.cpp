@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "rve-farm/assembly/neighbours.hpp"
 #include "rve-farm/assembly/stable_step.hpp"
@@ -39,6 +40,16 @@ ChunkFit fit(const AssemblyNumbers& n, Precision precision, double strain, int s
     return {displacement_left(n, strain), largest * n.smallest_radius};
 }
 
+// The chunk that discs as fast as in the last one are expected to stay within: of the series, and of a quarter of what a
+// fresh list lasts. A chunk that must be taken again is dear.
+int expected_to_hold(const AssemblyNumbers& n, Precision precision, double strain, int substeps) {
+    constexpr double nothing_is_known_yet = 100; // sub-steps, the first of all
+    const double by_series = bounds_of(precision).displacement * n.smallest_radius / (1.5 * n.last_displacement);
+    const double by_list = n.skin / (2 * n.last_displacement + strain * (2 * n.largest_radius + n.skin)) / 4;
+    const double most = std::min({by_series, by_list, n.last_sub_step > 0 ? static_cast<double>(substeps) : nothing_is_known_yet});
+    return most < substeps ? std::max(1, static_cast<int>(most)) : substeps;
+}
+
 // Takes up to `substeps` sub-steps on one list: rebuilds it where it is spent or is about to be, shortens the chunk where
 // even a fresh list would not outlast it. Returns how many were taken; 0 with a status where none could be.
 int take_chunk(const Stepper& stepper, Assembly& rve, int substeps, const Stretch& stretch, double sub_step, double beta, ChunkOutcome& outcome,
@@ -55,10 +66,10 @@ int take_chunk(const Stepper& stepper, Assembly& rve, int substeps, const Stretc
         if (stages) stages->rebuild += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         return status == Status::ok;
     };
-    // As long as the discs may be expected to move within the bound: a chunk that must be taken again is dear.
-    const double series_bound = bounds_of(stepper.kernel->precision).displacement * n.smallest_radius;
-    if (1.5 * n.last_displacement * substeps > series_bound) substeps = std::clamp(static_cast<int>(series_bound / (1.5 * n.last_displacement)), 1, substeps);
+    substeps = expected_to_hold(n, stepper.kernel->precision, strain, substeps);
     if (!fresh && n.last_displacement * substeps >= fit(n, stepper.kernel->precision, strain * substeps, substeps).by_list && !rebuild()) return 0;
+    double foreseen = 0; // displacement of a chunk that has been tried in vain: on a wider list it will be the same, m
+    bool widened = false;
     for (;;) {
         const ChunkFit fits = fit(n, stepper.kernel->precision, strain * substeps, substeps);
         ChunkRequest request;
@@ -71,16 +82,12 @@ int take_chunk(const Stepper& stepper, Assembly& rve, int substeps, const Stretc
         request.ledger = stepper.ledger;
         request.time_stages = stages != nullptr;
         rve.layout().update(s, stepper.shape());
-        if (fits.allowed() > 0) {
+        if (foreseen < fits.allowed()) {
             outcome = stepper.run(request, s, rve.columns(), rve.layout());
             if (stages) {
                 stages->load += outcome.load_seconds;
                 stages->inner += outcome.inner_seconds;
                 stages->close += outcome.close_seconds;
-            }
-            if (!outcome.finite) {
-                status = Status::not_finite;
-                return 0;
             }
             if (outcome.accepted) {
                 n.strain_bound += outcome.strain;
@@ -88,15 +95,24 @@ int take_chunk(const Stepper& stepper, Assembly& rve, int substeps, const Stretc
                 n.last_displacement = outcome.largest_displacement / substeps;
                 return substeps;
             }
+            if (!outcome.finite && substeps == 1) {
+                status = Status::not_finite;
+                return 0;
+            }
+            // Far beyond the bounds the series themselves explode: what is no number then may be one in a shorter chunk.
+            foreseen = outcome.finite ? outcome.largest_displacement : std::numeric_limits<double>::infinity();
             ++n.retaken_chunks;
         }
-        const bool list_was_too_narrow = !(outcome.largest_displacement <= fits.by_list) || fits.by_list <= 0;
-        if (list_was_too_narrow && !fresh) {
+        const bool list_was_too_narrow = foreseen > fits.by_list || fits.by_list <= 0;
+        if (list_was_too_narrow && std::isfinite(foreseen) && !fresh) {
             if (!rebuild()) return 0;
         } else if (substeps > 1) {
-            substeps /= 2;
-        } else if (list_was_too_narrow && n.skin < n.widest_skin) {
-            n.skin = n.widest_skin;
+            const double bearable = fits.allowed() > 0 && std::isfinite(foreseen) ? 0.7 * fits.allowed() / foreseen : 0.5; // part of the chunk
+            substeps = std::max(1, static_cast<int>(std::min(bearable, 0.5) * substeps));
+            foreseen = 0;
+        } else if (list_was_too_narrow && !widened && n.skin < n.widest_skin) {
+            widened = true;
+            n.skin = n.widest_skin; // or as wide as there is room for
             n.list_substeps = 0; // the skin is not to be chosen from what has just been too little
             if (!rebuild()) return 0;
         } else {

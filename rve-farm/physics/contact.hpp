@@ -16,6 +16,9 @@ struct ContactLaw {
     Real normal_stiffness;     // k_n, N/m
     Real tangential_stiffness; // k_t, N/m
     Real friction;             // mu, -
+    // 1 / (2 k_n), 1 / (2 k_t), m/N: once per chunk instead of a division per contact.
+    Real half_normal_compliance = Real(0.5) / normal_stiffness;
+    Real half_tangential_compliance = Real(0.5) / tangential_stiffness;
 
     // Both springs at work and nothing lost: f_n = k_n delta (Eq. 5a), f_t = f_t,old - k_t du_t (Eq. 5b).
     // overlap: delta, m. slip_increment: du_t, relative displacement of `second` along t in this sub-step, m.
@@ -32,15 +35,14 @@ struct ContactLaw {
 
     // Energy stored in the two springs, J: f_n^2 / 2 k_n + f_t^2 / 2 k_t.
     TALIK_HOST_DEVICE Real stored_energy(ContactForce<Real> force) const {
-        return force.normal * force.normal / (Real(2) * normal_stiffness) +
-               force.tangential * force.tangential / (Real(2) * tangential_stiffness);
+        return force.normal * force.normal * half_normal_compliance + force.tangential * force.tangential * half_tangential_compliance;
     }
 
     // Friction work of a sub-step, J: (f_t,old + f_t)/2 times the slip of the slider, (f_t,trial - f_t)/k_t. In steady
     // sliding mu f_n times the slip. The mean of old and new force, because that is what the trapezoidal work of leapfrog
     // puts into the contact: so the ledger closes.
     TALIK_HOST_DEVICE Real friction_loss(Real old_tangential, Real trial_tangential, Real tangential) const {
-        return (old_tangential + tangential) * (trial_tangential - tangential) / (Real(2) * tangential_stiffness);
+        return (old_tangential + tangential) * (trial_tangential - tangential) * half_tangential_compliance;
     }
 
     // Energy lost when a bond breaks and the trial force falls to the actual one, at the end of a sub-step in which the
@@ -49,7 +51,7 @@ struct ContactLaw {
     TALIK_HOST_DEVICE Real breaking_loss(ContactForce<Real> trial, ContactForce<Real> actual, Real opening,
                                          Real slip_increment) const {
         return stored_energy(trial) - stored_energy(actual) +
-               ((trial.normal - actual.normal) * opening + (trial.tangential - actual.tangential) * slip_increment) / Real(2);
+               ((trial.normal - actual.normal) * opening + (trial.tangential - actual.tangential) * slip_increment) * Real(0.5);
     }
 };
 
