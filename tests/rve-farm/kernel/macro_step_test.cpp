@@ -51,7 +51,7 @@ TEST_CASE("of long macro steps few sub-steps are run in vain", "[kernel][chunks]
             }
 }
 
-TEST_CASE("a chunk that explodes for its length alone is taken in shorter ones; what explodes in a single sub-step is a fault", "[kernel][chunks][status]") {
+TEST_CASE("a chunk that explodes for its length alone is taken in shorter ones and what explodes in a single sub-step is a fault", "[kernel][chunks][status]") {
     const RveParameters p;
     Assembly rve(p, samples::disordered(64));
     const Stepper stepper{p, &watched<Precision::double_>(), false, {}};
