@@ -6,7 +6,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/interrupt.hpp"
-#include "exchange/byte_stream.hpp"
+#include "common/io/byte_stream.hpp"
 
 namespace talik::exchange {
 namespace {

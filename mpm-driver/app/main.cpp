@@ -52,11 +52,16 @@ int main(int argc, char** argv) {
     run_command->footer("Examples:\n"
                         "  mpm-driver run scene.toml --set stage.0.duration=\"0.2 s\" --set rve.contact.friction=0.3\n"
                         "  mpm-driver run scene.toml --output out/a --restart out/a/checkpoint-000001200\n"
+                        "  mpm-driver run scene.toml --record record.h5        (then, without any DEM: --replay record.h5)\n"
                         "  mpm-driver run scene.toml --exchange shm:slope      (and: rve-farm serve --exchange shm:slope)");
     run_command->add_option("scene", options.scene, "SCENE.toml")->required();
     run_command->add_option("--output", options.output, "folder for everything the run leaves (default: out/<scene>)")->check(not_empty());
     run_command->add_option("--exchange", options.exchange, "shm:NAME: meet a farm there instead of launching one");
     run_command->add_option("--restart", options.restart, "go on from this checkpoint")->check(not_empty());
+    run_command->add_option("--record", options.record, "writes every request to the farm and every answer there (HDF5)")->check(not_empty());
+    run_command->add_option("--replay", options.replay, "a recording answers instead of a farm, strictly: the run must be the recorded one")->check(not_empty());
+    run_command->add_flag("--loose", options.loose, "with --replay: each RVE answers with what was recorded nearest to its deformation");
+    run_command->add_option("--tolerance", options.tolerance, "with --replay: how far requests may be from the recorded ones, relative (1e-9)")->check(CLI::NonNegativeNumber);
     auto* until_option = run_command->add_option("--until", until, "stop at this simulated time, s")->check(above_zero());
     run_command->add_option("--set", options.set, "KEY=VALUE: overrides a key of the scene (repeatable)");
     run_command->add_option("--threads", options.threads, "of the farm and of the driver; 0 = all")->check(thread_count());

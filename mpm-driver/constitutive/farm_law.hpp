@@ -2,11 +2,13 @@
 // The law whose stresses come from a farm of RVEs behind the exchange: one RVE for each of its points.
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "common/packing/farm_setup.hpp"
 #include "exchange/driver_end.hpp"
+#include "exchange/recorder.hpp"
 #include "mpm-driver/constitutive/law.hpp"
 
 namespace talik::driver {
@@ -19,6 +21,9 @@ public:
     // Where the packings are snapshots of K0 paths: the vertical stress of the ground above a place, Pa, compression positive.
     void start_at_depth(std::function<double(const Vector&)> vertical_stress) { vertical_stress_ = std::move(vertical_stress); }
 
+    // Before begin(): every request and answer is written there.
+    void record(const std::string& file) { record_file_ = file; }
+
     std::string name() const override { return "rve"; }
     void begin(std::span<const std::uint32_t> ids, const Points& points, LawAnswer initial) override;
     void submit(const LawRequest& request, LawAnswer answer) override;
@@ -28,7 +33,8 @@ public:
     void restore(const std::string& folder) override;
     std::vector<StateColumn> columns() override;
 
-    void bye() { farm_.bye(); }
+    void bye();
+    double recording_seconds() const { return recorder_ ? recorder_->seconds() : 0.0; } // of this thread
     double farm_waiting_seconds(); // asked of the farm, s
     double dem_time() const { return time_; } // that the RVEs have lived through, s
     double dem_time_step() const;  // dt / n of the latest macro step, s; 0 before the first
@@ -43,6 +49,7 @@ private:
     struct Components {
         int stress, status, stiffness, stored, kinetic, friction, damping, bond;
     };
+    void start_recording(std::span<const std::byte> setup, std::span<const double> initial, std::size_t rves);
     void take(std::uint32_t rve, const double* answer, LawAnswer out);
     void check_status(std::uint32_t rve, double status) const;
 
@@ -58,6 +65,9 @@ private:
 
     std::vector<std::uint32_t> point_of_rve_, rve_of_point_;
     std::vector<double> scale_; // a point's initial volume over its RVE's, by RVE: energies of the RVE times this are the point's
+
+    std::string record_file_;
+    std::unique_ptr<exchange::Recorder> recorder_; // null where nothing is recorded
 
     // Of the step in flight.
     exchange::Batch answer_;
