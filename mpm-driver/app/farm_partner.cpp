@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "common/base/error.hpp"
+#include "exchange/run_board.hpp"
 #include "exchange/shm_channel.hpp"
 #include "mpm-driver/app/packings.hpp"
 
@@ -30,6 +31,7 @@ std::string exchange_name(const PartnerOptions& options, std::uint64_t run_id) {
 
 FarmPartner::FarmPartner(const PartnerOptions& options) : run_id_(fresh_run_id()) {
     const std::string name = exchange_name(options, run_id_);
+    exchange::run_board().run_id = run_id_;
     exchange::WaitLimits limits;
     limits.stall_seconds = options.stall_seconds;
     limits.attach_seconds = options.attach_seconds;

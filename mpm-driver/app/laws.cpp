@@ -98,13 +98,16 @@ RunFacts SceneLaws::facts() const {
         facts.warnings.push_back(fmt::format("{} of {} RVEs carry no contact force at the end: opened by tension, or by stresses that ring inside a cell (docs/method.md, limits)",
                                              facts.rves_without_contacts, facts.rves));
     facts.waiting_driver = partner_->channel().waiting_seconds();
-    facts.waiting_farm = farm_waited_;
+    if (farm_times_) facts.waiting_farm = farm_times_->waiting;
+    facts.farm_times = farm_times_;
+    facts.driver_times = {0.0, farm_->copying_seconds(), farm_->waiting_seconds()}; // computing: the rest, once all is known
+    if (farm_->recording_seconds() > 0.0) facts.recording_seconds = farm_->recording_seconds();
     return facts;
 }
 
 void SceneLaws::bye() {
     if (!farm_) return;
-    farm_waited_ = farm_->farm_waiting_seconds();
+    farm_times_ = farm_->farm_times();
     farm_->bye();
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "common/base/error.hpp"
+#include "common/base/stage_timer.hpp"
 #include "common/io/byte_stream.hpp"
 #include "common/io/hdf5_file.hpp"
 #include "common/physics/clock.hpp"
@@ -34,6 +35,10 @@ std::vector<Column> asked_for() {
 }
 
 } // namespace
+
+int exchanged_components(bool ice) {
+    return exchange::ColumnTable(asked_for()).components() + columns_of::displacement_gradient_increment.components + (ice ? columns_of::ice_saturation.components : 0);
+}
 
 FarmLaw::FarmLaw(exchange::Channel& channel, exchange::Hello hello, FarmSetup setup, std::uint64_t seed)
     : farm_(channel), hello_(std::move(hello)), setup_(std::move(setup)), seed_(seed) {
@@ -93,7 +98,27 @@ void FarmLaw::bye() {
     farm_.bye();
 }
 
+// Of a scope: what of its time was waiting for the farm, and what was copying; recording has its own account.
+class FarmLaw::Timing {
+public:
+    explicit Timing(FarmLaw& law) : law_(law), waited_(law.farm_.channel().waiting_seconds()), recorded_(law.recording_seconds()), begin_(StageTimer::Clock::now()) {}
+    ~Timing() {
+        const double elapsed = std::chrono::duration<double>(StageTimer::Clock::now() - begin_).count();
+        const double waiting = law_.farm_.channel().waiting_seconds() - waited_;
+        law_.waiting_ += waiting;
+        law_.copying_ += std::max(0.0, elapsed - waiting - (law_.recording_seconds() - recorded_));
+    }
+    Timing(const Timing&) = delete;
+    Timing& operator=(const Timing&) = delete;
+
+private:
+    FarmLaw& law_;
+    double waited_, recorded_;
+    StageTimer::Clock::time_point begin_;
+};
+
 void FarmLaw::submit(const LawRequest& request, LawAnswer answer) {
+    const Timing timing(*this);
     out_ = answer;
     step_ = request.step;
     time_ += request.time_increment;
@@ -122,6 +147,7 @@ void FarmLaw::submit(const LawRequest& request, LawAnswer answer) {
 }
 
 void FarmLaw::collect() {
+    const Timing timing(*this);
     farm_.finish_step();
     if (recorder_) recorder_->end_step(answer_);
     const auto rves = answer_.ids();
@@ -168,10 +194,10 @@ std::int64_t FarmLaw::split_steps() const {
     return static_cast<std::int64_t>(sum);
 }
 
-double FarmLaw::farm_waiting_seconds() {
-    const auto said = farm_.command("waiting seconds");
-    ByteReader in(said, "the answer to \"waiting seconds\"");
-    return in.get<double>();
+exchange::LockstepTimes FarmLaw::farm_times() {
+    const auto said = farm_.command("times");
+    ByteReader in(said, "the answer to \"times\"");
+    return in.get<exchange::LockstepTimes>();
 }
 
 double FarmLaw::dem_time_step() const {

@@ -8,10 +8,14 @@
 
 #include "common/packing/farm_setup.hpp"
 #include "exchange/driver_end.hpp"
+#include "exchange/farm_end.hpp"
 #include "exchange/recorder.hpp"
 #include "mpm-driver/constitutive/law.hpp"
 
 namespace talik::driver {
+
+// Numbers that travel for an RVE in a step, there and back: what a recording holds. ice: S_i is sent as well.
+int exchanged_components(bool ice);
 
 class FarmLaw : public Law {
 public:
@@ -35,7 +39,9 @@ public:
 
     void bye();
     double recording_seconds() const { return recorder_ ? recorder_->seconds() : 0.0; } // of this thread
-    double farm_waiting_seconds(); // asked of the farm, s
+    exchange::LockstepTimes farm_times(); // asked of the farm
+    double copying_seconds() const { return copying_; } // of this side, in steps, s
+    double waiting_seconds() const { return waiting_; }
     double dem_time() const { return time_; } // that the RVEs have lived through, s
     double dem_time_step() const;  // dt / n of the latest macro step, s; 0 before the first
     const std::string& farm_program() const { return farm_program_; }
@@ -50,6 +56,7 @@ private:
         int stress, status, stiffness, stored, kinetic, friction, damping, bond;
     };
     void start_recording(std::span<const std::byte> setup, std::span<const double> initial, std::size_t rves);
+    class Timing;
     void take(std::uint32_t rve, const double* answer, LawAnswer out);
     void check_status(std::uint32_t rve, double status) const;
 
@@ -80,6 +87,7 @@ private:
     // The latest of what is only reported: by point of the scene, one column after the other.
     std::vector<std::vector<double>> reported_;
     std::int64_t evaluations_ = 0;
+    double copying_ = 0.0, waiting_ = 0.0; // s, of submit() and collect()
 };
 
 } // namespace talik::driver

@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
     int exit = 0;
     talik::farm::add_serve(app, exit);
     talik::farm::add_replay(app, exit);
+    talik::farm::add_status(app, exit);
     return talik::run_program([&] {
         try {
             app.parse(argc, argv);

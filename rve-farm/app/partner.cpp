@@ -7,6 +7,7 @@
 #include "common/base/error.hpp"
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
+#include "exchange/run_board.hpp"
 #include "exchange/shm_channel.hpp"
 
 namespace talik::farm {
@@ -37,6 +38,7 @@ int serve_driver(const PartnerOptions& options, const std::function<void(exchang
     watch_interrupts();
     std::unique_ptr<exchange::Channel> channel;
     try {
+        exchange::publish_run_board(exchange::Role::farm, options.exchange);
         channel = join(options);
         exchange::with_cause(*channel, [&] { body(*channel); });
     } catch (const Error& error) {

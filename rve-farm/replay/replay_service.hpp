@@ -49,7 +49,6 @@ private:
     std::optional<NearestAnswer> nearest_;        // loose
     std::int64_t steps_ = 0, answers_ = 0;
     double largest_departure_ = 0.0;              // of a request from the recorded one, over scale_
-    exchange::Channel* channel_ = nullptr;
 };
 
 } // namespace talik::farm
