@@ -1,5 +1,5 @@
 #pragma once
-// A recording of a lockstep: every request and answer, by step, component and RVE, in HDF5 (docs/exchange.md lists the
+// A recording of a lockstep: every request and answer, by step, component and RVE, in HDF5 (docs/partners.md lists the
 // arrays). It is whole up to its last flushed step at any moment, also after its writer was killed.
 #include <cstdint>
 #include <optional>

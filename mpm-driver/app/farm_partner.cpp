@@ -6,9 +6,9 @@
 #include <chrono>
 
 #include "common/base/error.hpp"
+#include "common/base/installation.hpp"
 #include "exchange/run_board.hpp"
 #include "exchange/shm_channel.hpp"
-#include "mpm-driver/app/packings.hpp"
 
 namespace talik::driver {
 namespace {

@@ -8,6 +8,7 @@
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
 #include "common/base/version.hpp"
+#include "exchange/record_file.hpp"
 #include "mpm-driver/app/packings.hpp"
 #include "mpm-driver/constitutive/elastic.hpp"
 #include "mpm-driver/points/overburden.hpp"
@@ -45,6 +46,7 @@ std::vector<std::string> replay_arguments(const RunOptions& options) {
 void check_recording(const Scene& scene, const RunOptions& options) {
     require(options.replay.empty() || options.exchange.empty(), "--replay and --exchange are both given", "start `rve-farm replay` at that exchange by hand, or leave --exchange out");
     require(options.replay.empty() || std::filesystem::exists(options.replay), options.replay + ": no such recording", "record one: mpm-driver run SCENE --record FILE");
+    if (!options.replay.empty()) exchange::Record{options.replay}; // what is no recording is said here, before a farm is started
     std::error_code none;
     require(options.record.empty() || options.replay.empty() || !std::filesystem::equivalent(options.record, options.replay, none), "--record would overwrite the recording that --replay reads",
             "name another file");

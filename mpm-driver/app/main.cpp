@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "common/base/error.hpp"
+#include "common/base/installation.hpp"
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "common/base/option_ranges.hpp"
@@ -38,7 +39,7 @@ int main(int argc, char** argv) {
     app.footer("Examples:\n"
                "  mpm-driver check cases/biaxial/dense.toml\n"
                "  mpm-driver explain cases/biaxial/dense.toml\n"
-               "  mpm-driver run cases/biaxial/dense.toml --output out/dense\n"
+               "  mpm-driver run cases/biaxial/dense.toml --output out/dense   (installed: mpm-driver run biaxial/dense)\n"
                "  mpm-driver --help-scene                 every key of a scene");
     bool help_scene = false, markdown_scene = false;
     app.add_flag("--help-scene", help_scene, "every key of a scene: unit, default, range, meaning");
@@ -73,6 +74,7 @@ int main(int argc, char** argv) {
         if (until_option->count() > 0) options.until = until;
         log::start("mpm-driver", options.quiet);
         watch_interrupts();
+        options.scene = find_case(options.scene);
         exit = run(options);
     });
 
@@ -85,13 +87,13 @@ int main(int argc, char** argv) {
     explain_command->add_option("--threads", threads, "that a run would have; 0 = all")->check(thread_count());
     explain_command->callback([&] {
         log::start("mpm-driver", false);
-        exit = explain(scene, set, threads);
+        exit = explain(find_case(scene), set, threads);
     });
 
     CLI::App* check_command = app.add_subcommand("check", "Validates a scene: every fault in it at once");
     check_command->add_option("scene", scene, "SCENE.toml")->required();
     check_command->add_option("--set", set, "KEY=VALUE: overrides a key of the scene (repeatable)");
-    check_command->callback([&] { exit = check(scene, set); });
+    check_command->callback([&] { exit = check(find_case(scene), set); });
 
     return run_program([&] {
         try {
