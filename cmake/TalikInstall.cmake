@@ -8,7 +8,7 @@ install(PROGRAMS tools/plot DESTINATION ${CMAKE_INSTALL_BINDIR} RENAME talik-plo
 install(TARGETS talik_c EXPORT TalikTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(FILES exchange/c_api.h DESTINATION include/talik/exchange)
 install(FILES exchange/python/talik_exchange.py DESTINATION share/talik/python)
-install(DIRECTORY cases DESTINATION share/talik USE_SOURCE_PERMISSIONS)
+install(DIRECTORY cases DESTINATION share/talik USE_SOURCE_PERMISSIONS PATTERN __pycache__ EXCLUDE)
 install(FILES README.md LICENSE CITATION.cff DESTINATION share/doc/talik)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/Talik)

@@ -2,6 +2,7 @@
 #include <exchange/c_api.h>
 
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <vector>
