@@ -82,6 +82,12 @@ LaunchedProcess::~LaunchedProcess() {
     wait(seconds_to_end);
 }
 
+void LaunchedProcess::end_now() {
+    if (pid_ <= 0 || !running()) return;
+    kill(pid_, SIGKILL); // a stopped process, too
+    wait(seconds_to_end);
+}
+
 bool LaunchedProcess::running() {
     if (status_) return false;
     int status = 0;

@@ -8,6 +8,7 @@
 #include "common/base/log.hpp"
 #include "common/base/version.hpp"
 #include "mpm-driver/app/packings.hpp"
+#include "mpm-driver/app/scene_schema.hpp"
 #include "mpm-driver/constitutive/elastic.hpp"
 #include "mpm-driver/points/overburden.hpp"
 
@@ -30,7 +31,22 @@ std::vector<std::string> packing_warnings(const Scene& scene, const std::vector<
     return warnings;
 }
 
-SceneLaws make_laws(Scene& scene, const RunOptions& options) {
+namespace {
+
+exchange::FarmGroup group_of(FarmPartner& partner, const ExchangeSpec& spec, const std::filesystem::path& output) {
+    exchange::FarmGroup farms(partner.channels());
+    if (spec.replace_farm == 0) return farms;
+    if (!partner.may_be_replaced()) {
+        log::warn("exchange.replace_farm is of no use in an MPI job, which ends with any of its processes: start it with tools/run-mpi, which restarts it");
+        return farms;
+    }
+    farms.replace_lost_farms({spec.replace_farm, [&partner](int farm) -> exchange::Channel& { return partner.another(farm); }, output / "recovery", spec.replace_interval});
+    return farms;
+}
+
+} // namespace
+
+SceneLaws make_laws(Scene& scene, const RunOptions& options, const std::filesystem::path& output) {
     SceneLaws out;
     if (scene.elastic) out.laws_["elastic"] = std::make_unique<ElasticLaw>(*scene.elastic);
     if (scene.rve) {
@@ -43,12 +59,12 @@ SceneLaws make_laws(Scene& scene, const RunOptions& options) {
         out.warnings_ = packing_warnings(scene, setup.packings);
         for (const Packing& p : setup.packings) out.packings_.push_back({p.seed, p.void_ratio(), p.pressure, p.vertical_stress, p.lateral_stress});
         for (const std::string& warning : out.warnings_) log::warn("{}", warning);
-        out.partner_ = std::make_unique<FarmPartner>(PartnerOptions{options.exchange, options.backend, options.threads, options.stall_seconds, options.attach_seconds, options.quiet});
+        out.partner_ = std::make_unique<FarmPartner>(PartnerOptions{options.exchange, options.backend, options.farms, options.threads, options.stall_seconds, options.attach_seconds, options.quiet});
         exchange::Hello hello;
         hello.program = "mpm-driver " + version();
         hello.run_id = out.partner_->run_id();
         hello.scene_hash = scene.hash;
-        auto law = std::make_unique<FarmLaw>(out.partner_->channel(), hello, std::move(setup), scene.seed);
+        auto law = std::make_unique<FarmLaw>(group_of(*out.partner_, read_exchange(options.scene, options.set), output), hello, std::move(setup), scene.seed);
         law->start_at_depth(Overburden(scene));
         out.farm_ = law.get();
         out.laws_["rve"] = std::move(law);
@@ -71,7 +87,11 @@ RunFacts SceneLaws::facts() const {
     if (facts.rves_without_contacts > 0)
         facts.warnings.push_back(fmt::format("{} of {} RVEs carry no contact force at the end: opened by tension, or by stresses that ring inside a cell (docs/method.md, limits)",
                                              facts.rves_without_contacts, facts.rves));
-    facts.waiting_driver = partner_->channel().waiting_seconds();
+    facts.waiting_driver = farm_->farms().waiting_seconds();
+    facts.farms = farm_->farms().farms();
+    facts.farms_replaced = farm_->farms().replaced();
+    facts.seconds_lost = farm_->farms().seconds_lost();
+    facts.rves_moved = farm_->farms().moves();
     facts.waiting_farm = farm_waited_;
     return facts;
 }

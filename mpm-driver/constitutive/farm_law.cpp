@@ -34,8 +34,8 @@ std::vector<Column> asked_for() {
 
 } // namespace
 
-FarmLaw::FarmLaw(exchange::Channel& channel, exchange::Hello hello, FarmSetup setup, std::uint64_t seed)
-    : farm_(channel), hello_(std::move(hello)), setup_(std::move(setup)), seed_(seed) {
+FarmLaw::FarmLaw(exchange::FarmGroup farms, exchange::Hello hello, FarmSetup setup, std::uint64_t seed)
+    : farms_(std::move(farms)), hello_(std::move(hello)), setup_(std::move(setup)), seed_(seed) {
     hello_.role = exchange::Role::driver;
     hello_.request_columns = {columns_of::displacement_gradient_increment};
     hello_.answer_columns = asked_for();
@@ -67,53 +67,68 @@ void FarmLaw::begin(std::span<const std::uint32_t> ids, const Points& points, La
 
     sends_ice_ = setup_.parameters.bond && !points.ice_saturation.empty();
     if (sends_ice_) hello_.request_columns.push_back(columns_of::ice_saturation);
-    farm_program_ = farm_.connect(hello_).program;
-    const auto said = farm_.configure(encode(setup_));
-    ByteReader in(said, "the answer to configure");
-    const auto values = in.array<double>();
-    require(values.size() == row_.size() * count, "the farm was set up with another number of RVEs", "use mpm-driver and rve-farm of one version");
-    for (std::uint32_t rve = 0; rve < count; ++rve) {
-        for (std::size_t component = 0; component < row_.size(); ++component) row_[component] = values[component * count + rve];
-        take(rve, row_.data(), initial);
+    farm_program_ = farms_.connect(hello_).program;
+    const auto& said = farms_.configure(static_cast<int>(count), [this](std::span<const std::uint32_t> rves) { return setup_for(rves); });
+    for (int farm = 0; farm < farms_.farms(); ++farm) {
+        const auto rves = farms_.rves(farm);
+        ByteReader in(said[static_cast<std::size_t>(farm)], "the answer to configure");
+        const auto values = in.array<double>();
+        require(values.size() == row_.size() * rves.size(), "the farm was set up with another number of RVEs", "use mpm-driver and rve-farm of one version");
+        for (std::size_t i = 0; i < rves.size(); ++i) {
+            for (std::size_t component = 0; component < row_.size(); ++component) row_[component] = values[component * rves.size() + i];
+            take(rves[i], row_.data(), initial);
+        }
     }
-    answer_ = farm_.make_answer(static_cast<int>(count));
-    setup_.packings.clear(); // the farm has them now
+    asked_rves_.reserve(count);
+}
+
+// Packings stay here: another farm may need them, and so may an RVE that changes hands.
+std::vector<std::byte> FarmLaw::setup_for(std::span<const std::uint32_t> rves) const {
+    FarmSetup own;
+    own.parameters = setup_.parameters;
+    own.packings = setup_.packings;
+    own.ids.assign(rves.begin(), rves.end());
+    for (const std::uint32_t rve : rves) own.packing_of_rve.push_back(setup_.packing_of_rve[rve]);
+    return encode(own);
 }
 
 void FarmLaw::submit(const LawRequest& request, LawAnswer answer) {
+    request_ = request;
     out_ = answer;
     step_ = request.step;
     time_ += request.time_increment;
     latest_time_increment_ = request.time_increment;
-    farm_.begin_step({request.step, request.time_increment, static_cast<std::uint32_t>(setup_.parameters.substeps)}, static_cast<int>(request.ids.size()), answer_);
-    for (std::size_t sent = 0; sent < request.ids.size();) {
-        exchange::Batch& chunk = farm_.next_chunk();
-        const auto rves = chunk.ids();
-        const std::array<std::span<double>, 4> gradient = {chunk.component(0), chunk.component(1), chunk.component(2), chunk.component(3)};
-        for (std::size_t row = 0; row < rves.size(); ++row) {
-            const std::uint32_t point = request.ids[sent + row];
-            const Matrix& increment = request.displacement_gradient_increment[point];
-            rves[row] = rve_of_point_[point];
-            gradient[0][row] = increment(0, 0);
-            gradient[1][row] = increment(0, 1);
-            gradient[2][row] = increment(1, 0);
-            gradient[3][row] = increment(1, 1);
-            if (sends_ice_) chunk.component(4)[row] = request.ice_saturation[point];
-        }
-        sent += rves.size();
-        farm_.send_chunk();
+    asked_rves_.clear();
+    for (const std::uint32_t point : request.ids) asked_rves_.push_back(rve_of_point_[point]);
+    farms_.begin_step({request.step, request.time_increment, static_cast<std::uint32_t>(setup_.parameters.substeps)}, asked_rves_, fill_);
+}
+
+void FarmLaw::fill(std::span<const std::uint32_t> rows, exchange::Batch& chunk) const {
+    const std::array<std::span<double>, 4> gradient = {chunk.component(0), chunk.component(1), chunk.component(2), chunk.component(3)};
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const std::uint32_t point = request_.ids[rows[i]];
+        const Matrix& increment = request_.displacement_gradient_increment[point];
+        gradient[0][i] = increment(0, 0);
+        gradient[1][i] = increment(0, 1);
+        gradient[2][i] = increment(1, 0);
+        gradient[3][i] = increment(1, 1);
+        if (sends_ice_) chunk.component(4)[i] = request_.ice_saturation[point];
     }
 }
 
 void FarmLaw::collect() {
-    farm_.finish_step();
-    const auto rves = answer_.ids();
-    for (std::size_t row = 0; row < rves.size(); ++row) {
-        for (std::size_t component = 0; component < row_.size(); ++component) row_[component] = answer_.component(static_cast<int>(component))[row];
-        check_status(rves[row], row_[static_cast<std::size_t>(at_.status)]);
-        take(rves[row], row_.data(), out_);
+    farms_.finish_step();
+    for (int farm = 0; farm < farms_.farms(); ++farm) {
+        const exchange::Batch& answer = farms_.answer(farm);
+        const auto ids = answer.ids();
+        for (std::size_t row = 0; row < ids.size(); ++row) {
+            const std::uint32_t rve = farms_.rves(farm)[ids[row]];
+            for (std::size_t component = 0; component < row_.size(); ++component) row_[component] = answer.component(static_cast<int>(component))[row];
+            check_status(rve, row_[static_cast<std::size_t>(at_.status)]);
+            take(rve, row_.data(), out_);
+        }
     }
-    evaluations_ += static_cast<std::int64_t>(rves.size());
+    evaluations_ += static_cast<std::int64_t>(asked_rves_.size());
 }
 
 void FarmLaw::take(std::uint32_t rve, const double* answer, LawAnswer out) {
@@ -152,9 +167,12 @@ std::int64_t FarmLaw::split_steps() const {
 }
 
 double FarmLaw::farm_waiting_seconds() {
-    const auto said = farm_.command("waiting seconds");
-    ByteReader in(said, "the answer to \"waiting seconds\"");
-    return in.get<double>();
+    double sum = 0.0;
+    for (const auto& said : farms_.command("waiting seconds")) {
+        ByteReader in(said, "the answer to \"waiting seconds\"");
+        sum += in.get<double>();
+    }
+    return sum / farms_.farms();
 }
 
 double FarmLaw::dem_time_step() const {
@@ -167,14 +185,12 @@ bool FarmLaw::activate(const std::string& effect, std::span<const std::uint32_t>
     std::vector<std::uint32_t> rves;
     for (const std::uint32_t point : points)
         if (const std::uint32_t rve = rve_of_point_[point]; rve < point_of_rve_.size() && point_of_rve_[rve] == point) rves.push_back(rve);
-    ByteWriter ids;
-    ids.array(rves);
-    farm_.command("activate bonds", ids.bytes());
+    farms_.command_rves("activate bonds", rves);
     return true;
 }
 
 void FarmLaw::checkpoint(const std::string& folder) {
-    farm_.checkpoint(std::filesystem::absolute(std::filesystem::path(folder) / "farm.h5").string());
+    farms_.checkpoint(folder);
     Hdf5File file = Hdf5File::create((std::filesystem::path(folder) / "law.h5").string(), "mpm-driver", "talik-farm-law-checkpoint 1");
     file.set_attribute("/", "evaluations", evaluations_);
     file.set_attribute("/", "time", time_);
@@ -184,7 +200,7 @@ void FarmLaw::checkpoint(const std::string& folder) {
 }
 
 void FarmLaw::restore(const std::string& folder) {
-    farm_.restore(std::filesystem::absolute(std::filesystem::path(folder) / "farm.h5").string());
+    farms_.restore(folder);
     exchange::require_sealed(std::filesystem::path(folder) / "law.h5");
     const Hdf5File file = Hdf5File::open((std::filesystem::path(folder) / "law.h5").string());
     evaluations_ = file.integer_attribute("/", "evaluations");

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/packing/farm_setup.hpp"
-#include "exchange/driver_end.hpp"
+#include "exchange/farm_group.hpp"
 #include "mpm-driver/constitutive/law.hpp"
 
 namespace talik::driver {
@@ -14,7 +14,7 @@ namespace talik::driver {
 class FarmLaw : public Law {
 public:
     // setup.packing_of_rve is filled at begin(): packings are dealt out to the points in an order drawn from `seed`.
-    FarmLaw(exchange::Channel& channel, exchange::Hello hello, FarmSetup setup, std::uint64_t seed);
+    FarmLaw(exchange::FarmGroup farms, exchange::Hello hello, FarmSetup setup, std::uint64_t seed);
 
     // Where the packings are snapshots of K0 paths: the vertical stress of the ground above a place, Pa, compression positive.
     void start_at_depth(std::function<double(const Vector&)> vertical_stress) { vertical_stress_ = std::move(vertical_stress); }
@@ -28,8 +28,10 @@ public:
     void restore(const std::string& folder) override;
     std::vector<StateColumn> columns() override;
 
-    void bye() { farm_.bye(); }
-    double farm_waiting_seconds(); // asked of the farm, s
+    void bye() { farms_.bye(); }
+    void keep_up() { farms_.keep_up(); } // between two steps
+    const exchange::FarmGroup& farms() const { return farms_; }
+    double farm_waiting_seconds(); // asked of the farms: their mean, s
     double dem_time() const { return time_; } // that the RVEs have lived through, s
     double dem_time_step() const;  // dt / n of the latest macro step, s; 0 before the first
     const std::string& farm_program() const { return farm_program_; }
@@ -43,10 +45,12 @@ private:
     struct Components {
         int stress, status, stiffness, stored, kinetic, friction, damping, bond;
     };
+    std::vector<std::byte> setup_for(std::span<const std::uint32_t> rves) const;
+    void fill(std::span<const std::uint32_t> rows, exchange::Batch& chunk) const;
     void take(std::uint32_t rve, const double* answer, LawAnswer out);
     void check_status(std::uint32_t rve, double status) const;
 
-    exchange::DriverEnd farm_;
+    exchange::FarmGroup farms_;
     exchange::Hello hello_;
     FarmSetup setup_;
     std::uint64_t seed_;
@@ -60,8 +64,10 @@ private:
     std::vector<double> scale_; // a point's initial volume over its RVE's, by RVE: energies of the RVE times this are the point's
 
     // Of the step in flight.
-    exchange::Batch answer_;
+    LawRequest request_;
     LawAnswer out_;
+    exchange::FarmGroup::Fill fill_ = [this](std::span<const std::uint32_t> rows, exchange::Batch& chunk) { fill(rows, chunk); };
+    std::vector<std::uint32_t> asked_rves_;
     std::uint64_t step_ = 0;
     double time_ = 0.0;                // s, simulated by the RVEs
     double latest_time_increment_ = 0.0; // s

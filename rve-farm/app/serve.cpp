@@ -9,7 +9,8 @@
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "common/base/version.hpp"
-#include "exchange/shm_channel.hpp"
+#include "exchange/mpi_channel.hpp"
+#include "exchange/transport.hpp"
 #include "rve-farm/app/commands.hpp"
 #include "rve-farm/app/kernel_options.hpp"
 #include "rve-farm/backend/service.hpp"
@@ -30,10 +31,8 @@ std::unique_ptr<exchange::Channel> join(const ServeOptions& options) {
     exchange::WaitLimits limits;
     limits.stall_seconds = options.stall_seconds;
     limits.attach_seconds = options.attach_seconds;
-    const std::string shm = "shm:";
-    require(options.exchange.starts_with(shm) && options.exchange.size() > shm.size(), "--exchange " + options.exchange + ": no such transport",
-            "give shm:NAME, with the name that the driver uses");
-    return exchange::join_shm_channel(options.exchange.substr(shm.size()), limits);
+    if (exchange::is_mpi(options.exchange)) exchange::begin_mpi(exchange::Role::farm);
+    return exchange::join_exchange(options.exchange, limits);
 }
 
 int serve(const ServeOptions& options) {
@@ -65,8 +64,9 @@ void add_serve(CLI::App& app, int& exit) {
     auto options = std::make_shared<ServeOptions>();
     CLI::App* command = app.add_subcommand("serve", "Answers a driver: strain increments in, stresses out");
     command->footer("Examples:\n"
-                    "  rve-farm serve --exchange shm:slope --threads 2      (and: mpm-driver run scene.toml --exchange shm:slope)");
-    command->add_option("--exchange", options->exchange, "shm:NAME")->required();
+                    "  rve-farm serve --exchange shm:slope --threads 2      (and: mpm-driver run scene.toml --exchange shm:slope)\n"
+                    "  mpirun -n 1 mpm-driver run scene.toml --exchange mpi : -n 4 rve-farm serve --exchange mpi");
+    command->add_option("--exchange", options->exchange, "shm:NAME, file:FOLDER or mpi")->required();
     command->add_option("--backend", options->backend, "auto, cpu or cuda")->check(CLI::IsMember({"auto", "cpu", "cuda"}));
     options->kernel.add_to(*command);
     command->add_option("--threads", options->threads, "0 = all")->check(CLI::NonNegativeNumber);
