@@ -65,15 +65,15 @@ private:
 
 class MpiChannel final : public Channel {
 public:
-    MpiChannel(World& world, Role self, int peer, std::size_t capacity, const WaitLimits& wait_limits)
-        : Channel(self, wait_limits), world_(world), peer_(peer), capacity_(capacity) {
+    MpiChannel(std::shared_ptr<World> world, Role self, int peer, std::size_t capacity, const WaitLimits& wait_limits)
+        : Channel(self, wait_limits), world_(std::move(world)), peer_(peer), capacity_(capacity) {
         use_checksums(true);
-        const mpi::Rank& partner = world_.rank(peer);
+        const mpi::Rank& partner = world_->rank(peer);
         near_ = partner.machine == mpi::this_machine() && in_this_pid_namespace(partner.process);
         if (near_) watch_ = ProcessWatch(partner.process, -1, 0);
     }
     ~MpiChannel() override {
-        const std::lock_guard lock(world_.mutex());
+        const std::lock_guard lock(world_->mutex());
         own_.left = 1;
         send_standing();
         for (int i = 0; i < 200 && !outbox_.empty(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1)); // a lost partner takes nothing
@@ -84,46 +84,46 @@ public:
         const auto now = Clock::now().time_since_epoch().count();
         auto told = told_.load();
         if (now - told < Clock::duration(between_standings).count() || !told_.compare_exchange_strong(told, now)) return;
-        const std::unique_lock lock(world_.mutex(), std::try_to_lock);
+        const std::unique_lock lock(world_->mutex(), std::try_to_lock);
         if (lock) send_standing();
     }
     PartnerProgress partner_progress() const override {
-        const std::lock_guard lock(world_.mutex());
+        const std::lock_guard lock(world_->mutex());
         pump();
         return {partner_.done, partner_.total};
     }
     void state_cause(const std::string& cause) noexcept override {
-        const std::lock_guard lock(world_.mutex());
+        const std::lock_guard lock(world_->mutex());
         if (own_.cause[0] != '\0') return;
         std::strncpy(own_.cause, cause.c_str(), sizeof own_.cause - 1);
         std::replace(std::begin(own_.cause), std::end(own_.cause), '\n', ' ');
         send_standing();
     }
     std::string partner_cause() const override {
-        const std::lock_guard lock(world_.mutex());
+        const std::lock_guard lock(world_->mutex());
         pump();
         return partner_.cause;
     }
     void wish_to_end() noexcept override {
-        const std::lock_guard lock(world_.mutex());
+        const std::lock_guard lock(world_->mutex());
         if (own_.wishes_to_end != 0) return;
         own_.wishes_to_end = 1;
         send_standing();
     }
     bool partner_wishes_to_end() const noexcept override {
-        const std::lock_guard lock(world_.mutex());
+        const std::lock_guard lock(world_->mutex());
         pump();
         return partner_.wishes_to_end != 0;
     }
 
 protected:
     std::size_t room() const override {
-        const std::lock_guard lock(world_.mutex());
+        const std::lock_guard lock(world_->mutex());
         pump();
         return capacity_ - std::min(capacity_, static_cast<std::size_t>(sent_ - partner_.taken));
     }
     std::size_t available() const override {
-        const std::lock_guard lock(world_.mutex());
+        const std::lock_guard lock(world_->mutex());
         if (arrived_ == taken_) pump();
         return static_cast<std::size_t>(arrived_ - taken_);
     }
@@ -133,11 +133,12 @@ protected:
             const std::size_t free = room();
             return free >= outgoing_.size() || free == capacity_;
         });
-        const std::lock_guard lock(world_.mutex());
+        const std::lock_guard lock(world_->mutex());
+        if (own_.beats != beats_) send_standing(); // progress comes before the answer it led to
         for (std::size_t begin = 0; begin < outgoing_.size(); begin += most_at_once) {
             const auto piece = std::span(outgoing_).subspan(begin, std::min(most_at_once, outgoing_.size() - begin));
             outbox_.next().assign(piece.begin(), piece.end());
-            outbox_.send(peer_, frame_tag(role()), world_.comm());
+            outbox_.send(peer_, frame_tag(role()), world_->comm());
         }
         sent_ += outgoing_.size();
         outgoing_.clear();
@@ -145,7 +146,7 @@ protected:
     void read(std::span<std::byte> bytes) override {
         while (!bytes.empty()) {
             wait([this] { return available() > 0; });
-            const std::lock_guard lock(world_.mutex());
+            const std::lock_guard lock(world_->mutex());
             std::vector<std::byte>& first = inbox_.front();
             const std::size_t n = std::min(bytes.size(), first.size() - at_);
             std::memcpy(bytes.data(), first.data() + at_, n);
@@ -163,7 +164,7 @@ protected:
     // MPI can only be asked: less and less often.
     void nap(const Ready& ready, std::chrono::milliseconds longest) override {
         {
-            const std::lock_guard lock(world_.mutex());
+            const std::lock_guard lock(world_->mutex());
             if (taken_ != own_.taken) send_standing();
         }
         std::chrono::microseconds pause = shortest_nap, slept{0};
@@ -183,13 +184,13 @@ protected:
     PartnerView look() override {
         PartnerView view;
         view.process_alive = !near_ || watch_.alive(); // on another machine it is the launcher that tells
-        const std::lock_guard lock(world_.mutex());
+        const std::lock_guard lock(world_->mutex());
         pump();
         view.presence = partner_.left != 0 ? PartnerView::Presence::left : PartnerView::Presence::attached;
         view.movement = partner_.beats + partner_.done + partner_.taken + arrived_;
         view.progress = {partner_.done, partner_.total};
         view.cause = partner_.cause;
-        view.pid = world_.rank(peer_).process.pid;
+        view.pid = world_->rank(peer_).process.pid;
         if (near_) view.process_state = process_state(view.pid);
         return view;
     }
@@ -202,7 +203,7 @@ private:
         own_.done = done_, own_.total = total_, own_.beats = beats_;
         const auto bytes = std::as_bytes(std::span(&own_, 1));
         outbox_.next().assign(bytes.begin(), bytes.end());
-        outbox_.send(peer_, standing_tag(role()), world_.comm());
+        outbox_.send(peer_, standing_tag(role()), world_->comm());
     }
 
     // Takes what has come; the lock is held.
@@ -210,20 +211,20 @@ private:
         const Role partner = partner_of(role());
         MPI_Status status;
         int there = 0, size = 0;
-        for (MPI_Iprobe(peer_, standing_tag(partner), world_.comm(), &there, &status); there; MPI_Iprobe(peer_, standing_tag(partner), world_.comm(), &there, &status))
-            MPI_Recv(&partner_, sizeof partner_, MPI_BYTE, peer_, standing_tag(partner), world_.comm(), MPI_STATUS_IGNORE);
-        for (MPI_Iprobe(peer_, frame_tag(partner), world_.comm(), &there, &status); there; MPI_Iprobe(peer_, frame_tag(partner), world_.comm(), &there, &status)) {
+        for (MPI_Iprobe(peer_, standing_tag(partner), world_->comm(), &there, &status); there; MPI_Iprobe(peer_, standing_tag(partner), world_->comm(), &there, &status))
+            MPI_Recv(&partner_, sizeof partner_, MPI_BYTE, peer_, standing_tag(partner), world_->comm(), MPI_STATUS_IGNORE);
+        for (MPI_Iprobe(peer_, frame_tag(partner), world_->comm(), &there, &status); there; MPI_Iprobe(peer_, frame_tag(partner), world_->comm(), &there, &status)) {
             MPI_Get_count(&status, MPI_BYTE, &size);
             std::vector<std::byte> bytes;
             if (!spare_.empty()) bytes = std::move(spare_.back()), spare_.pop_back();
             bytes.resize(static_cast<std::size_t>(size));
-            MPI_Recv(bytes.data(), size, MPI_BYTE, peer_, frame_tag(partner), world_.comm(), MPI_STATUS_IGNORE);
+            MPI_Recv(bytes.data(), size, MPI_BYTE, peer_, frame_tag(partner), world_->comm(), MPI_STATUS_IGNORE);
             arrived_ += bytes.size();
             if (size > 0) inbox_.push_back(std::move(bytes));
         }
     }
 
-    World& world_;
+    std::shared_ptr<World> world_;
     int peer_;
     std::size_t capacity_;
     bool near_ = false; // the partner is a process that can be looked at
@@ -247,11 +248,11 @@ private:
 
 bool built_with_mpi() { return true; }
 
-void begin_mpi(Role role) { World::job().begin(role); }
+void begin_mpi(Role role) { World::job()->begin(role); }
 
 std::vector<std::unique_ptr<Channel>> make_mpi_channels(int farms, const WaitLimits& limits) {
-    World& world = World::job();
-    const std::vector<int> there = world.farms();
+    const auto world = World::job();
+    const std::vector<int> there = world->farms();
     require(farms == 0 || farms == static_cast<int>(there.size()), fmt::format("--farms {}: this MPI job has {}", farms, there.size()), "leave --farms out: it is mpirun that says how many");
     std::vector<std::unique_ptr<Channel>> channels;
     for (const int rank : there) channels.push_back(std::make_unique<MpiChannel>(world, Role::driver, rank, job_capacity, limits));
@@ -259,14 +260,14 @@ std::vector<std::unique_ptr<Channel>> make_mpi_channels(int farms, const WaitLim
 }
 
 std::unique_ptr<Channel> join_mpi_channel(const WaitLimits& limits) {
-    World& world = World::job();
-    return std::make_unique<MpiChannel>(world, Role::farm, world.driver(), job_capacity, limits);
+    const auto world = World::job();
+    return std::make_unique<MpiChannel>(world, Role::farm, world->driver(), job_capacity, limits);
 }
 
-void end_mpi(bool in_order) noexcept { World::job().end(in_order ? 10.0 : 1.0); }
+void end_mpi(bool in_order) noexcept { World::job()->end(in_order ? 10.0 : 1.0); }
 
 std::pair<std::unique_ptr<Channel>, std::unique_ptr<Channel>> mpi_pair(std::size_t capacity, const WaitLimits& limits) {
-    World& world = World::self();
+    const auto world = World::self();
     return {std::make_unique<MpiChannel>(world, Role::driver, 0, capacity, limits), std::make_unique<MpiChannel>(world, Role::farm, 0, capacity, limits)};
 }
 

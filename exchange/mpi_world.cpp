@@ -36,23 +36,24 @@ std::uint64_t this_machine() {
     return checksum(id);
 }
 
-World& World::job() {
-    static World world;
+std::shared_ptr<World> World::job() {
+    static const std::shared_ptr<World> world(new World);
     return world;
 }
 
-World& World::self() {
-    static World& world = *[] { // never destroyed: MPI ends with the process
+std::shared_ptr<World> World::self() {
+    static const bool started = [] {
         start_mpi();
-        static World made;
-        MPI_Comm_dup(MPI_COMM_SELF, &made.comm_);
-        made.ranks_.resize(1);
-        made.ranks_[0].process = this_process();
-        made.ranks_[0].machine = this_machine();
         std::atexit([] { MPI_Finalize(); });
-        return &made;
+        return true;
     }();
-    return world;
+    ensure(started);
+    const std::shared_ptr<World> made(new World);
+    MPI_Comm_dup(MPI_COMM_SELF, &made->comm_);
+    made->ranks_.resize(1);
+    made->ranks_[0].process = this_process();
+    made->ranks_[0].machine = this_machine();
+    return made;
 }
 
 // Sleeps, where MPI itself would spin.

@@ -1,6 +1,7 @@
 #pragma once
 // The MPI job as both ends of the exchange see it: who is there, and a lock, because MPI is called by one thread at a time.
 #include <cstdint>
+#include <memory>
 #include <mpi.h>
 #include <mutex>
 #include <string>
@@ -20,8 +21,8 @@ struct Rank { // what each rank tells all others
 
 class World {
 public:
-    static World& job();  // met by begin()
-    static World& self(); // of this process alone, for tests
+    static std::shared_ptr<World> job();  // met by begin()
+    static std::shared_ptr<World> self(); // of this process alone, for tests; each has messages of its own
 
     void begin(Role role); // all ranks meet; exactly one is the driver
     void end(double patience_seconds) noexcept;

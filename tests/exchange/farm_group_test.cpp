@@ -141,7 +141,7 @@ std::vector<double> run(FarmGroup& group, const std::filesystem::path& checkpoin
     return values;
 }
 
-std::vector<double> reference() {
+const std::vector<double>& reference() {
     static const std::vector<double> kept = [] {
         Farms farms(1);
         FarmGroup group(farms.all());
