@@ -4,7 +4,8 @@
 #include <fmt/format.h>
 
 #include "common/base/error.hpp"
-#include "exchange/byte_stream.hpp"
+#include "common/io/byte_stream.hpp"
+#include "exchange/run_board.hpp"
 
 namespace talik::exchange {
 
@@ -82,6 +83,7 @@ bool DriverEnd::try_send_chunk() {
     }
     sent_rows_ += chunk_.count();
     ++step_.chunk;
+    ++run_board().requests;
     return true;
 }
 
@@ -124,6 +126,7 @@ void DriverEnd::take_answer() {
         std::copy(rows.begin(), rows.end(), answer_->component(c).begin() + first_row);
     }
     ++answered_chunks_;
+    ++run_board().answers;
 }
 
 void DriverEnd::step(const StepClock& clock, const Batch& request, Batch& answer) {

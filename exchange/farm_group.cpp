@@ -5,7 +5,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/interrupt.hpp"
-#include "exchange/byte_stream.hpp"
+#include "common/io/byte_stream.hpp"
 #include "exchange/farm_group_guard.hpp"
 
 namespace talik::exchange {
@@ -208,7 +208,7 @@ void FarmGroup::bye() {
 }
 
 double FarmGroup::waiting_seconds() const {
-    double sum = 0.0;
+    double sum = waited_for_lost_;
     for (const auto& member : members_) sum += member->channel->waiting_seconds();
     return sum;
 }

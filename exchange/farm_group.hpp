@@ -109,6 +109,7 @@ private:
     bool reviving_ = false;
     double seconds_lost_ = 0.0, setup_seconds_ = 0.0;
     std::optional<double> move_seconds_; // of the last time RVEs changed hands
+    double waited_for_lost_ = 0.0; // s, at channels that are gone
     std::uint64_t ticks_ = 0;
 };
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/base/log.hpp"
-#include "exchange/byte_stream.hpp"
+#include "common/io/byte_stream.hpp"
 #include "exchange/farm_group_guard.hpp"
 
 namespace talik::exchange {
@@ -54,6 +54,7 @@ void FarmGroup::revive(Member& member, Error lost) {
         log::warn("{}: another farm takes over ({} of at most {} in this run)", lost.problem(), replaced_, replacement_.at_most);
         try {
             member.end.reset();
+            waited_for_lost_ += member.channel->waiting_seconds();
             member.channel = &replacement_.another(member.index);
             bring_up(member);
             break;

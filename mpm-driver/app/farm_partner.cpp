@@ -7,8 +7,9 @@
 #include <algorithm>
 #include <chrono>
 
+#include "common/base/installation.hpp"
+#include "exchange/run_board.hpp"
 #include "exchange/transport.hpp"
-#include "mpm-driver/app/packings.hpp"
 
 namespace talik::driver {
 namespace {
@@ -22,6 +23,7 @@ std::uint64_t fresh_run_id() {
 } // namespace
 
 FarmPartner::FarmPartner(const PartnerOptions& options) : options_(options), run_id_(fresh_run_id()) {
+    exchange::run_board().run_id = run_id_;
     if (!options_.exchange.empty()) {
         for (auto& channel : exchange::make_exchange(options_.exchange, options_.farms, limits())) farms_.push_back({nullptr, std::move(channel)});
         return;
@@ -39,11 +41,16 @@ exchange::WaitLimits FarmPartner::limits() const {
 
 void FarmPartner::launch(Farm& farm, const std::string& name) const {
     farm.channel = exchange::make_exchange("shm:" + name, limits());
-    std::vector<std::string> command = {sibling_program("rve-farm").string(), "serve", "--exchange", "shm:" + name, "--backend", options_.backend,
-                                        "--launched", "--stall-seconds", fmt::format("{}", options_.stall_seconds)};
+    std::vector<std::string> command = {sibling_program("rve-farm").string()};
+    const bool replays = !options_.replay.empty();
+    if (replays)
+        command.insert(command.end(), "replay"), command.insert(command.end(), options_.replay.begin(), options_.replay.end());
+    else
+        command.insert(command.end(), {"serve", "--backend", options_.backend});
+    command.insert(command.end(), {"--exchange", "shm:" + name, "--launched", "--stall-seconds", fmt::format("{}", options_.stall_seconds)});
     const int farms = static_cast<int>(farms_.size());
     const int threads = options_.threads > 0 || farms == 1 ? options_.threads : omp_get_num_procs();
-    if (threads > 0) command.insert(command.end(), {"--threads", std::to_string(std::max(1, threads / farms))});
+    if (threads > 0 && !replays) command.insert(command.end(), {"--threads", std::to_string(std::max(1, threads / farms))});
     if (options_.quiet) command.push_back("--quiet");
     farm.process = std::make_unique<exchange::LaunchedProcess>(command, exchange::Interrupts::held);
     farm.channel->ask_fate([process = farm.process.get()] { return process->fate(); });

@@ -13,6 +13,7 @@ namespace talik::driver {
 struct PartnerOptions {
     std::string exchange;        // "shm:NAME", "file:FOLDER", "mpi"; empty = launch farms of our own
     std::string backend = "auto";
+    std::vector<std::string> replay; // arguments of `rve-farm replay`, which then answers; empty = `serve`
     int farms = 0;               // 0 = one, or as many as an MPI job has
     int threads = 0;             // of all farms together; 0 = all
     double stall_seconds = 120.0, attach_seconds = 60.0; // of patience: exchange/wait.hpp

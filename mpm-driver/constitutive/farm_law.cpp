@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <numeric>
 
 #include "common/base/error.hpp"
+#include "common/base/stage_timer.hpp"
 #include "common/io/byte_stream.hpp"
 #include "common/io/hdf5_file.hpp"
 #include "common/physics/clock.hpp"
 #include "common/physics/rve_columns.hpp"
+#include "exchange/checksum.hpp"
 #include "exchange/sealed_file.hpp"
 #include "mpm-driver/constitutive/packing_choice.hpp"
 
@@ -33,6 +36,10 @@ std::vector<Column> asked_for() {
 }
 
 } // namespace
+
+int exchanged_components(bool ice) {
+    return exchange::ColumnTable(asked_for()).components() + columns_of::displacement_gradient_increment.components + (ice ? columns_of::ice_saturation.components : 0);
+}
 
 FarmLaw::FarmLaw(exchange::FarmGroup farms, exchange::Hello hello, FarmSetup setup, std::uint64_t seed)
     : farms_(std::move(farms)), hello_(std::move(hello)), setup_(std::move(setup)), seed_(seed) {
@@ -69,6 +76,7 @@ void FarmLaw::begin(std::span<const std::uint32_t> ids, const Points& points, La
     if (sends_ice_) hello_.request_columns.push_back(columns_of::ice_saturation);
     farm_program_ = farms_.connect(hello_).program;
     const auto& said = farms_.configure(static_cast<int>(count), [this](std::span<const std::uint32_t> rves) { return setup_for(rves); });
+    std::vector<double> recorded(record_file_.empty() ? 0 : row_.size() * count); // [component][rve]
     for (int farm = 0; farm < farms_.farms(); ++farm) {
         const auto rves = farms_.rves(farm);
         ByteReader in(said[static_cast<std::size_t>(farm)], "the answer to configure");
@@ -76,10 +84,13 @@ void FarmLaw::begin(std::span<const std::uint32_t> ids, const Points& points, La
         require(values.size() == row_.size() * rves.size(), "the farm was set up with another number of RVEs", "use mpm-driver and rve-farm of one version");
         for (std::size_t i = 0; i < rves.size(); ++i) {
             for (std::size_t component = 0; component < row_.size(); ++component) row_[component] = values[component * rves.size() + i];
+            if (!record_file_.empty())
+                for (std::size_t component = 0; component < row_.size(); ++component) recorded[component * count + rves[i]] = row_[component];
             take(rves[i], row_.data(), initial);
         }
     }
     asked_rves_.reserve(count);
+    if (!record_file_.empty()) start_recording(recorded);
 }
 
 // Packings stay here: another farm may need them, and so may an RVE that changes hands.
@@ -92,7 +103,40 @@ std::vector<std::byte> FarmLaw::setup_for(std::span<const std::uint32_t> rves) c
     return encode(own);
 }
 
+// What one farm would be told that has them all: a recording answers for any number of farms.
+void FarmLaw::start_recording(const std::vector<double>& initial) {
+    std::vector<std::uint32_t> all(point_of_rve_.size());
+    std::iota(all.begin(), all.end(), 0u);
+    recorder_ = std::make_unique<exchange::Recorder>(record_file_, exchange::RecordFacts{hello_.program, farm_program_, hello_.scene_hash, fmt::format("{:016x}", exchange::checksum(setup_for(all))),
+                                                                                         hello_.request_columns, hello_.answer_columns, all.size(), initial});
+}
+
+void FarmLaw::bye() {
+    if (recorder_) recorder_->close();
+    farms_.bye();
+}
+
+// Of a scope: what of its time was waiting for the farm, and what was copying; recording has its own account.
+class FarmLaw::Timing {
+public:
+    explicit Timing(FarmLaw& law) : law_(law), waited_(law.farms_.waiting_seconds()), recorded_(law.recording_seconds()), begin_(StageTimer::Clock::now()) {}
+    ~Timing() {
+        const double elapsed = std::chrono::duration<double>(StageTimer::Clock::now() - begin_).count();
+        const double waiting = law_.farms_.waiting_seconds() - waited_;
+        law_.waiting_ += waiting;
+        law_.copying_ += std::max(0.0, elapsed - waiting - (law_.recording_seconds() - recorded_));
+    }
+    Timing(const Timing&) = delete;
+    Timing& operator=(const Timing&) = delete;
+
+private:
+    FarmLaw& law_;
+    double waited_, recorded_;
+    StageTimer::Clock::time_point begin_;
+};
+
 void FarmLaw::submit(const LawRequest& request, LawAnswer answer) {
+    const Timing timing(*this);
     request_ = request;
     out_ = answer;
     step_ = request.step;
@@ -100,10 +144,12 @@ void FarmLaw::submit(const LawRequest& request, LawAnswer answer) {
     latest_time_increment_ = request.time_increment;
     asked_rves_.clear();
     for (const std::uint32_t point : request.ids) asked_rves_.push_back(rve_of_point_[point]);
-    farms_.begin_step({request.step, request.time_increment, static_cast<std::uint32_t>(setup_.parameters.substeps)}, asked_rves_, fill_);
+    const exchange::StepClock clock{request.step, request.time_increment, static_cast<std::uint32_t>(setup_.parameters.substeps)};
+    if (recorder_) recorder_->begin_step(clock);
+    farms_.begin_step(clock, asked_rves_, fill_);
 }
 
-void FarmLaw::fill(std::span<const std::uint32_t> rows, exchange::Batch& chunk) const {
+void FarmLaw::fill(std::span<const std::uint32_t> rows, exchange::Batch& chunk) {
     const std::array<std::span<double>, 4> gradient = {chunk.component(0), chunk.component(1), chunk.component(2), chunk.component(3)};
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const std::uint32_t point = request_.ids[rows[i]];
@@ -114,13 +160,19 @@ void FarmLaw::fill(std::span<const std::uint32_t> rows, exchange::Batch& chunk) 
         gradient[3][i] = increment(1, 1);
         if (sends_ice_) chunk.component(4)[i] = request_.ice_saturation[point];
     }
+    if (!recorder_) return;
+    chunk_rves_.clear();
+    for (const std::uint32_t row : rows) chunk_rves_.push_back(asked_rves_[row]);
+    recorder_->request(chunk, chunk_rves_);
 }
 
 void FarmLaw::collect() {
+    const Timing timing(*this);
     farms_.finish_step();
     for (int farm = 0; farm < farms_.farms(); ++farm) {
         const exchange::Batch& answer = farms_.answer(farm);
         const auto ids = answer.ids();
+        if (recorder_) recorder_->answer(answer, farms_.rves(farm));
         for (std::size_t row = 0; row < ids.size(); ++row) {
             const std::uint32_t rve = farms_.rves(farm)[ids[row]];
             for (std::size_t component = 0; component < row_.size(); ++component) row_[component] = answer.component(static_cast<int>(component))[row];
@@ -128,6 +180,7 @@ void FarmLaw::collect() {
             take(rve, row_.data(), out_);
         }
     }
+    if (recorder_) recorder_->end_step();
     evaluations_ += static_cast<std::int64_t>(asked_rves_.size());
 }
 
@@ -166,13 +219,14 @@ std::int64_t FarmLaw::split_steps() const {
     return static_cast<std::int64_t>(sum);
 }
 
-double FarmLaw::farm_waiting_seconds() {
-    double sum = 0.0;
-    for (const auto& said : farms_.command("waiting seconds")) {
-        ByteReader in(said, "the answer to \"waiting seconds\"");
-        sum += in.get<double>();
+exchange::LockstepTimes FarmLaw::farm_times() {
+    exchange::LockstepTimes mean;
+    for (const auto& said : farms_.command("times")) {
+        ByteReader in(said, "the answer to \"times\"");
+        const auto times = in.get<exchange::LockstepTimes>();
+        mean.computing += times.computing / farms_.farms(), mean.copying += times.copying / farms_.farms(), mean.waiting += times.waiting / farms_.farms();
     }
-    return sum / farms_.farms();
+    return mean;
 }
 
 double FarmLaw::dem_time_step() const {
@@ -186,6 +240,11 @@ bool FarmLaw::activate(const std::string& effect, std::span<const std::uint32_t>
     for (const std::uint32_t point : points)
         if (const std::uint32_t rve = rve_of_point_[point]; rve < point_of_rve_.size() && point_of_rve_[rve] == point) rves.push_back(rve);
     farms_.command_rves("activate bonds", rves);
+    if (recorder_) {
+        ByteWriter ids;
+        ids.array(rves);
+        recorder_->command("activate bonds", ids.bytes(), {});
+    }
     return true;
 }
 
@@ -201,6 +260,7 @@ void FarmLaw::checkpoint(const std::string& folder) {
 
 void FarmLaw::restore(const std::string& folder) {
     farms_.restore(folder);
+    if (recorder_) recorder_->go_on();
     exchange::require_sealed(std::filesystem::path(folder) / "law.h5");
     const Hdf5File file = Hdf5File::open((std::filesystem::path(folder) / "law.h5").string());
     evaluations_ = file.integer_attribute("/", "evaluations");

@@ -79,6 +79,14 @@ inline Pair connected_pair(const std::string& kind, std::size_t ring_bytes, cons
     } else {
         const std::string name = unique_name("pair");
         pair.folder = std::make_unique<FolderOf>(name);
+#ifdef __SANITIZE_THREAD__ // two mappings of one memory would hide every race from it
+        if (kind == "shm") {
+            ShmOptions options;
+            options.ring_bytes = ring_bytes;
+            std::tie(pair.driver, pair.farm) = shm_channels_of_one_mapping(name, limits, options);
+            return pair;
+        }
+#endif
         pair.driver = driver_channel(kind, name, ring_bytes, limits);
         pair.farm = farm_channel(kind, name, ring_bytes, limits);
     }
