@@ -197,9 +197,10 @@ void FarmLaw::take(std::uint32_t rve, const double* answer, LawAnswer out) {
 
 void FarmLaw::check_status(std::uint32_t rve, double status) const {
     if (status == 0.0) return;
-    static const std::array<const char*, 4> names = {"", "its state is no longer finite, or discs moved a good part of their radius in a sub-step",
+    static const std::array<const char*, 5> names = {"", "its state is no longer finite, or discs moved a good part of their radius in a sub-step",
                                                      "a disc has more neighbours than there is room for",
-                                                     "the DEM sub-step is beyond the stable one of its contact network"};
+                                                     "the DEM sub-step is beyond the stable one of its contact network",
+                                                     "it was asked for a strain or an ice saturation that is no number, or for more strain than a step can be"};
     const auto index = static_cast<std::size_t>(status);
     fail(ExitCode::failed,
          fmt::format("the RVE of point {} failed in step {} (after {:.6g} s): {}", point_of_rve_[rve], step_, time_, index < names.size() ? names[index] : "unknown status"),
