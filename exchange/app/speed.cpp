@@ -31,6 +31,7 @@ double seconds_since(Clock::time_point begin) { return std::chrono::duration<dou
 struct Options {
     std::string exchange = "shm:exchange-speed", role = "both";
     int rves = 20203, steps = 500, threads = 0;
+    bool sleep_driver = false; // through the farm's work of every second step, instead of waiting for it
     double sleep_ms = 0.0, work_ms = 0.0; // of the farm, per step
 };
 
@@ -71,7 +72,7 @@ public:
         sink_ = work(rounds_, threads_);
         waited_for_.push_back(seconds_since(begin));
     }
-    // How long the work took in each step, s. With --sleep-driver the driver sleeps through every second step instead of waiting.
+    // How long the work took in each step, s.
     std::vector<std::byte> command(const std::string&, std::span<const std::byte>) override {
         ByteWriter out;
         out.array(waited_for_);
@@ -93,6 +94,30 @@ double cpu_seconds() {
     getrusage(RUSAGE_SELF, &use);
     const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
     return seconds(use.ru_utime) + seconds(use.ru_stime);
+}
+
+// Asks, and looks for the answer only after a sleep.
+void step_asleep(DriverEnd& driver, const StepClock& clock, const Batch& request, Batch& answer, double seconds) {
+    driver.begin_step(clock, request.count(), answer);
+    for (int sent = 0; sent < request.count();) {
+        Batch& chunk = driver.next_chunk();
+        const auto count = static_cast<std::size_t>(chunk.count()), first = static_cast<std::size_t>(sent);
+        std::copy_n(request.ids().begin() + sent, count, chunk.ids().begin());
+        for (int c = 0; c < request.columns().components(); ++c) {
+            const auto rows = request.component(c).subspan(first, count);
+            std::copy(rows.begin(), rows.end(), chunk.component(c).begin());
+        }
+        driver.send_chunk();
+        sent += chunk.count();
+    }
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+    driver.finish_step();
+}
+
+double median(std::vector<double> values) {
+    if (values.empty()) return 0.0;
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
 }
 
 void serve(const Options& options) {
@@ -129,7 +154,10 @@ void drive(const Options& options) {
     const auto begin = Clock::now();
     for (int step = 1; step <= options.steps; ++step) {
         const auto start = Clock::now();
-        driver.step({static_cast<std::uint64_t>(step), 1e-3, 0}, request, answer);
+        if (options.sleep_driver && step % 2 == 0)
+            step_asleep(driver, {static_cast<std::uint64_t>(step), 1e-3, 0}, request, answer, 1.5e-3 * options.work_ms);
+        else
+            driver.step({static_cast<std::uint64_t>(step), 1e-3, 0}, request, answer);
         microseconds.push_back(1e6 * seconds_since(start));
     }
     const double elapsed = seconds_since(begin), share = (cpu_seconds() - cpu) / elapsed;
@@ -138,16 +166,17 @@ void drive(const Options& options) {
         const auto said = driver.command("times");
         ByteReader in(said, "times");
         busy = in.array<double>();
-        std::sort(busy.begin(), busy.end());
     }
+    std::vector<double> waited_for, alone;
+    for (std::size_t i = 0; i < busy.size(); ++i) (options.sleep_driver && i % 2 == 1 ? alone : waited_for).push_back(1e3 * busy[i]);
     const double waiting = channel.waiting_seconds() - waited;
     driver.bye();
     if (child > 0) waitpid(child, nullptr, 0);
     std::sort(microseconds.begin(), microseconds.end());
     fmt::print("{{\"exchange\": \"{}\", \"rves\": {}, \"steps\": {}, \"sleep_ms\": {}, \"work_ms\": {}, \"step_us\": {{\"min\": {:.1f}, \"median\": {:.1f}, \"p99\": {:.1f}}}, "
-               "\"bytes_out\": {}, \"bytes_back\": {}, \"driver_cpu_share\": {:.4f}, \"waiting_share\": {:.4f}, \"farm_work_ms\": {:.3f}}}\n",
+               "\"bytes_out\": {}, \"bytes_back\": {}, \"driver_cpu_share\": {:.4f}, \"waiting_share\": {:.4f}, \"farm_work_waited_ms\": {:.3f}, \"farm_work_alone_ms\": {:.3f}}}\n",
                options.exchange.substr(0, options.exchange.find(':')), options.rves, options.steps, options.sleep_ms, options.work_ms, microseconds.front(), microseconds[microseconds.size() / 2],
-               microseconds[microseconds.size() * 99 / 100], request.rows().size(), answer.rows().size(), share, waiting / elapsed, busy.empty() ? 0.0 : 1e3 * busy[busy.size() / 2]);
+               microseconds[microseconds.size() * 99 / 100], request.rows().size(), answer.rows().size(), share, waiting / elapsed, median(waited_for), median(alone));
 }
 
 } // namespace
@@ -161,6 +190,7 @@ int main(int argc, char** argv) {
     app.add_option("--steps", options.steps, "to time")->check(CLI::Range(1, 100000000));
     app.add_option("--threads", options.threads, "that the farm keeps busy; 0 = all");
     app.add_option("--sleep-ms", options.sleep_ms, "that the farm sleeps in each step");
+    app.add_flag("--sleep-driver", options.sleep_driver, "the driver sleeps through every second step's work");
     app.add_option("--work-ms", options.work_ms, "that the farm computes in each step, on all threads");
     const int code = run_program([&] {
         try {
