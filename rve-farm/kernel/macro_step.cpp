@@ -131,7 +131,7 @@ ChunkOutcome Stepper::run(const ChunkRequest& request, AssemblyView& s, const Co
 
 int substeps_needed(const MacroStep& step) {
     const double strain = stretch_of(step.xx, step.xy, step.yx, step.yy, 0).largest_strain();
-    if (!(strain <= largest_strain_of_a_macro_step) || !std::isfinite(step.xy - step.yx)) return -1;
+    if (!(strain <= largest_strain_of_a_macro_step) || !std::isfinite(step.xy - step.yx + step.beta)) return -1;
     return std::max(step.substeps, static_cast<int>(std::ceil(strain / largest_strain_of_a_sub_step * (1 - 1e-12))));
 }
 
@@ -140,15 +140,19 @@ Answer advance(const Stepper& stepper, Assembly& rve, const MacroStep& step, Sta
     AssemblyNumbers& n = *s.numbers;
     const ContactLaw<double> law = contact_law_of(stepper.parameters);
     Answer fault;
-    fault.status = Status::not_finite;
-    const int substeps = substeps_needed(step);
+    fault.status = Status::bad_request;
+    int substeps = substeps_needed(step);
     if (substeps < 0) return fault;
-    const double sub_step = step.time_increment / substeps;
-    if (!is_stable(s, law, sub_step)) {
+    const double shortening = shortening_by_damping(stepper.parameters.damping);
+    if (!is_stable(s, law, shortening * step.time_increment / substeps)) { // contacts have closed since the step was chosen
+        constexpr double safety = 0.9; // more may close within the step
         fault.status = Status::unstable_step;
-        fault.largest_stable_step = stable_step(omega_squared_of_contacts(s, law));
-        return fault;
+        fault.largest_stable_step = stable_step(omega_squared_of_contacts(s, law)) / shortening;
+        const double needed = std::ceil(step.time_increment / (safety * fault.largest_stable_step));
+        if (!stepper.smaller_sub_steps || !(needed <= most_extra_sub_steps * substeps)) return fault;
+        substeps = std::max(substeps, static_cast<int>(needed));
     }
+    const double sub_step = step.time_increment / substeps;
     if (substeps > step.substeps) ++n.split_steps;
     Stretch stretch = stretch_of(step.xx / substeps, step.xy / substeps, step.yx / substeps, step.yy / substeps, n.frame_angle);
     const double strain = stretch.largest_strain();
