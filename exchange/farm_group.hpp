@@ -87,6 +87,7 @@ private:
     void bring_up(Member& member);
     void write_files(const std::filesystem::path& folder);
     std::filesystem::path next_base() const;
+    void link_as_base(const std::filesystem::path& folder);
     void take_as_base(const std::filesystem::path& base); // replacements start from it
     void remove_bases();
     void rebalance(const std::filesystem::path& folder);
