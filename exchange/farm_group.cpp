@@ -146,7 +146,7 @@ void FarmGroup::tend(const Member& awaited) {
     for (const auto& member : members_) {
         if (member.get() == &awaited || !member->end) continue;
         member->channel->advance_progress(ticks_, 0);
-        if (!reviving_) guard(*member, [&] { member->channel->look_after(); });
+        if (!reviving_ && !leaving_) guard(*member, [&] { member->channel->look_after(); });
     }
 }
 
@@ -202,6 +202,7 @@ void FarmGroup::command_rves(const std::string& name, std::span<const std::uint3
 
 void FarmGroup::bye() {
     std::vector<std::vector<std::byte>> replies;
+    leaving_ = true;
     replacement_.at_most = replaced_; // who dies at its farewell needs no successor
     ask_all(FrameType::bye, [](const Member&) { return std::vector<std::byte>(); }, replies);
     remove_bases();

@@ -87,6 +87,7 @@ private:
     void bring_up(Member& member);
     void write_files(const std::filesystem::path& folder);
     std::filesystem::path next_base() const;
+    void link_as_base(const std::filesystem::path& folder);
     void take_as_base(const std::filesystem::path& base); // replacements start from it
     void remove_bases();
     void rebalance(const std::filesystem::path& folder);
@@ -106,7 +107,7 @@ private:
     std::filesystem::path base_;      // empty: replacements start from the set-up
     Clock::time_point base_time_ = Clock::now();
     int replaced_ = 0, moves_ = 0;
-    bool reviving_ = false;
+    bool reviving_ = false, leaving_ = false; // leaving: farms that have said bye may go
     double seconds_lost_ = 0.0, setup_seconds_ = 0.0;
     std::optional<double> move_seconds_; // of the last time RVEs changed hands
     double waited_for_lost_ = 0.0; // s, at channels that are gone

@@ -15,14 +15,25 @@ constexpr std::size_t most_journal_bytes = std::size_t(1) << 30; // of all farms
 
 std::string file_name(int farm) { return farm == 0 ? "farm.h5" : fmt::format("farm-{}.h5", farm); }
 
-bool is_farm_file(const fs::path& path) {
-    return path.filename().string().starts_with("farm") && path.extension() == ".h5";
+// farm.h5, farm-1.h5, ..., and what a farm of another making keeps beside it.
+std::vector<fs::path> files_of_farms(const fs::path& folder) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(folder))
+        if (entry.path().filename().string().starts_with("farm") && entry.path().extension() != ".part") files.push_back(entry.path());
+    return files;
 }
 
 void link_or_copy(const fs::path& from, const fs::path& to) {
     std::error_code other_device;
     fs::create_hard_link(from, to, other_device);
     if (other_device) fs::copy_file(from, to);
+}
+
+// What a farm restores from: the one file, or the folder where several farms wrote one each.
+std::vector<std::byte> encode_source(const fs::path& folder) {
+    const auto files = files_of_farms(folder);
+    const bool several = std::count_if(files.begin(), files.end(), [](const fs::path& file) { return file.extension() == ".h5"; }) > 1;
+    return encode_path((several ? fs::absolute(folder) : fs::absolute(folder) / file_name(0)).string());
 }
 
 double seconds_since(std::chrono::steady_clock::time_point begin) {
@@ -90,7 +101,7 @@ void FarmGroup::bring_up(Member& member) {
         member.asked = false;
         return;
     }
-    if (!base_.empty()) settle(FrameType::restore, encode_path(base_.string()));
+    if (!base_.empty()) settle(FrameType::restore, encode_source(base_));
     member.journal.drop_step();
     member.journal.replay(*member.end, member.scratch, [&] { tend(member); });
     if (in_step_ && !member.finished) begin(member);
@@ -99,12 +110,7 @@ void FarmGroup::bring_up(Member& member) {
 
 void FarmGroup::checkpoint(const fs::path& folder) {
     write_files(folder);
-    if (replacement_.at_most > 0) {
-        const fs::path base = next_base();
-        for (const auto& entry : fs::directory_iterator(folder))
-            if (is_farm_file(entry.path())) link_or_copy(entry.path(), base / entry.path().filename());
-        take_as_base(base);
-    }
+    if (replacement_.at_most > 0) link_as_base(folder);
     rebalance(folder);
 }
 
@@ -116,11 +122,14 @@ void FarmGroup::write_files(const fs::path& folder) {
 
 void FarmGroup::restore(const fs::path& folder) {
     std::vector<std::vector<std::byte>> replies;
-    ask_all(FrameType::restore, [&](const Member&) { return encode_path(fs::absolute(folder).string()); }, replies);
-    if (replacement_.at_most == 0) return;
-    const fs::path base = next_base(); // the checkpoint itself may be removed as the run goes on
-    for (const auto& entry : fs::directory_iterator(folder))
-        if (is_farm_file(entry.path())) link_or_copy(entry.path(), base / entry.path().filename());
+    ask_all(FrameType::restore, [&](const Member&) { return encode_source(folder); }, replies);
+    if (replacement_.at_most > 0) link_as_base(folder);
+}
+
+// The checkpoint itself may be removed as the run goes on.
+void FarmGroup::link_as_base(const fs::path& folder) {
+    const fs::path base = next_base();
+    for (const fs::path& file : files_of_farms(folder)) link_or_copy(file, base / file.filename());
     take_as_base(base);
 }
 
@@ -171,7 +180,7 @@ void FarmGroup::rebalance(const fs::path& folder) {
     share_out(costs);
     std::vector<std::vector<std::byte>> replies_of_restore;
     ask_all(FrameType::configure, [this](const Member& member) { return setup_(member.rves); }, said_);
-    ask_all(FrameType::restore, [&](const Member&) { return encode_path(fs::absolute(folder).string()); }, replies_of_restore);
+    ask_all(FrameType::restore, [&](const Member&) { return encode_source(folder); }, replies_of_restore);
     for (const auto& member : members_) make_batches(*member);
     move_seconds_ = seconds_since(begin);
     ++moves_;

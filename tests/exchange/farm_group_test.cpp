@@ -56,10 +56,12 @@ public:
         memory_.save(out);
         std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(out.bytes().data()), static_cast<std::streamsize>(out.bytes().size()));
     }
-    void restore(const std::string& folder) override {
+    void restore(const std::string& path) override { // of one file, or of a folder of them
         on("restore");
-        for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-            std::ifstream file(entry.path(), std::ios::binary);
+        std::vector<std::filesystem::path> files = {path};
+        if (std::filesystem::is_directory(path)) files = {std::filesystem::directory_iterator(path), std::filesystem::directory_iterator()};
+        for (const auto& one : files) {
+            std::ifstream file(one, std::ios::binary);
             const std::string text((std::istreambuf_iterator<char>(file)), {});
             ByteReader in(std::as_bytes(std::span(text.data(), text.size())), "checkpoint");
             const auto ids = in.array<std::uint32_t>();

@@ -55,9 +55,8 @@ def farms_of(job):
     while open_ones:
         pid = open_ones.pop()
         try:
-            with open(f"/proc/{pid}/comm") as file:
-                if file.read().strip() == "rve-farm":
-                    found.append(pid)
+            if os.readlink(f"/proc/{pid}/exe").endswith("/rve-farm"):
+                found.append(pid)
             for task in os.listdir(f"/proc/{pid}/task"):
                 with open(f"/proc/{pid}/task/{task}/children") as file:
                     open_ones += [int(child) for child in file.read().split()]
