@@ -163,8 +163,8 @@ void drive(const Options& options) {
     const double elapsed = seconds_since(begin), share = (cpu_seconds() - cpu) / elapsed;
     std::vector<double> busy;
     if (options.work_ms > 0.0) {
-        const auto said = driver.command("times");
-        ByteReader in(said, "times");
+        const auto said = driver.command("work times");
+        ByteReader in(said, "work times");
         busy = in.array<double>();
     }
     std::vector<double> waited_for, alone;
