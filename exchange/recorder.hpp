@@ -3,9 +3,10 @@
 // a few steps behind at most; the file itself is written by the thread that calls, at later steps (HDF5 is used by one thread).
 //
 //     Recorder recorder("record.h5", facts);
-//     recorder.begin_step(clock); recorder.request(chunk); ...; recorder.end_step(answer);
+//     recorder.begin_step(clock); recorder.request(chunk, rves); ...; recorder.answer(answer, rves); recorder.end_step();
 //     recorder.close();
 #include <array>
+#include <atomic>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -28,12 +29,15 @@ public:
     void go_on() { goes_on_ = true; }
 
     void begin_step(const StepClock& clock);
-    void request(const Batch& chunk); // any number of them, until all rows of the step were given
-    void end_step(const Batch& answer);
+    // Any number of each: rows of a request, whose RVEs are `rves`; rows of answers, whose ids stand for RVEs of the run.
+    void request(const Batch& chunk, std::span<const std::uint32_t> rves);
+    void answer(const Batch& answer, std::span<const std::uint32_t> rve_of_id);
+    void end_step();
     void command(const std::string& name, std::span<const std::byte> payload, std::span<const std::byte> reply);
     void close(); // everything is on disk
 
-    double seconds() const { return seconds_; } // of the caller, in all of the above
+    double seconds() const { return seconds_; }                 // of the caller, in all of the above
+    double packing_seconds() const { return packing_seconds_; } // CPU time of the other thread
 
 private:
     struct Block { // a step
@@ -65,6 +69,7 @@ private:
     std::array<Block, blocks> ring_;
     std::size_t next_fill_ = 0, next_pack_ = 0, next_write_ = 0; // count up; [i % blocks]
     bool ends_ = false;
+    std::atomic<double> packing_seconds_{0.0};
     std::thread packer_;
 };
 
