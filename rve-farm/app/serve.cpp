@@ -18,7 +18,7 @@ namespace talik::farm {
 namespace {
 
 struct ServeOptions {
-    std::string exchange, backend = "auto";
+    std::string exchange;
     KernelOptions kernel;
     int threads = 0;
     double stall_seconds = 120.0, attach_seconds = 60.0;
@@ -37,10 +37,10 @@ std::unique_ptr<exchange::Channel> join(const ServeOptions& options) {
 }
 
 int serve(const ServeOptions& options) {
-    require(options.backend != "cuda", "--backend cuda: this build of rve-farm has no CUDA backend", "use --backend cpu");
     FarmOptions farm;
     farm.threads = options.threads;
     options.kernel.choose(farm);
+    if (!options.launched) require_gpu(farm.backend); // else the driver is told when it sets the farm up
     log::start("rve-farm", options.quiet);
     watch_interrupts();
     std::unique_ptr<exchange::Channel> channel;
@@ -67,7 +67,6 @@ void add_serve(CLI::App& app, int& exit) {
     command->footer("Examples:\n"
                     "  rve-farm serve --exchange shm:slope --threads 2      (and: mpm-driver run scene.toml --exchange shm:slope)");
     command->add_option("--exchange", options->exchange, "shm:NAME")->required();
-    command->add_option("--backend", options->backend, "auto, cpu or cuda")->check(CLI::IsMember({"auto", "cpu", "cuda"}));
     options->kernel.add_to(*command);
     command->add_option("--threads", options->threads, "0 = all")->check(CLI::NonNegativeNumber);
     command->add_option("--stall-seconds", options->stall_seconds, "how long a silent driver is waited for")->check(CLI::PositiveNumber);

@@ -17,6 +17,7 @@ double omega_squared_of_contacts(const AssemblyView& s, const ContactLaw<double>
 double stable_step(double omega_squared); // 2 / omega, s; infinite without contacts
 
 // Is sub_step within 2/omega_max? Asks the cheapest estimate that can say yes.
+bool is_stable_by_list(AssemblyView& s, const ContactLaw<double>& contact, double sub_step); // by the first alone, which needs no positions
 bool is_stable(AssemblyView& s, const ContactLaw<double>& contact, double sub_step);
 
 } // namespace talik::farm
