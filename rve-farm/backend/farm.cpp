@@ -17,12 +17,14 @@
 namespace talik::farm {
 namespace {
 
-void check_step(const Assembly& assembly, const ContactLaw<double>& contact, double time_step, std::size_t packing) {
-    if (time_step <= stable_step(omega_squared_bound_of_contacts(assembly.view(), contact))) return;
-    const double stable = stable_step(omega_squared_of_contacts(assembly.view(), contact));
+void check_step(const Assembly& assembly, const RveParameters& parameters, std::size_t packing) {
+    const ContactLaw<double> contact = contact_law_of(parameters);
+    const double time_step = parameters.time_step, shortening = shortening_by_damping(parameters.damping);
+    if (time_step <= stable_step(omega_squared_bound_of_contacts(assembly.view(), contact)) / shortening) return;
+    const double stable = stable_step(omega_squared_of_contacts(assembly.view(), contact)) / shortening;
     require(time_step <= stable,
             fmt::format("the DEM time step of {:.3g} s is unstable for packing {}", time_step, packing),
-            fmt::format("the largest stable step of its contact network is {:.3g} s; take a fraction of it", stable));
+            fmt::format("the largest stable step of its contact network is {:.4g} s; take a fraction of it", stable));
 }
 
 const Kernel& kernel_of(const FarmOptions& options, const RveParameters& parameters) {
@@ -34,14 +36,14 @@ const Kernel& kernel_of(const FarmOptions& options, const RveParameters& paramet
 
 Farm::Farm(const RveParameters& parameters, const std::vector<Packing>& packings, const std::vector<int>& packing_of_rve,
            FarmOptions options)
-    : options_(std::move(options)), stepper_{parameters, &kernel_of(options_, parameters), options_.ledger, options_.shuffle_seed} {
+    : options_(std::move(options)), stepper_{parameters, &kernel_of(options_, parameters), options_.ledger, options_.shuffle_seed, options_.smaller_sub_steps} {
     check(parameters);
     if (options_.threads <= 0) options_.threads = omp_get_max_threads();
     if (options_.time_stages) stages_.resize(static_cast<std::size_t>(options_.threads));
     std::vector<Assembly> prototypes;
     for (const Packing& packing : packings) {
         prototypes.emplace_back(parameters, packing);
-        check_step(prototypes.back(), contact_law_of(parameters), parameters.time_step, prototypes.size() - 1);
+        check_step(prototypes.back(), parameters, prototypes.size() - 1);
     }
     assemblies_.reserve(packing_of_rve.size());
     for (int packing : packing_of_rve) {

@@ -143,7 +143,7 @@ TALIK_HOST_DEVICE void close_contact(const CellMotion<Real>& e, const ContactLaw
     }
     sums.bonds += at.bonded;
     if (!loaded) return;
-    const double mx = nx * branch.cosine - ny * branch.sine, my = ny * branch.cosine + nx * branch.sine;
+    const double mx = (nx + gx) * branch.inverse_stretch, my = (ny + gy) * branch.inverse_stretch;
     const double length = static_cast<double>(at.length) + branch.length_change, bx = length * mx, by = length * my;
     sums.virial.add_contact(fn * mx - ft * my, fn * my + ft * mx, bx, by);
     sums.fabric_xx += bx * bx, sums.fabric_yy += by * by, sums.fabric_xy += bx * by;

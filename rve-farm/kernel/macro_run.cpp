@@ -30,34 +30,41 @@ constexpr double largest_displacement_of_a_sub_step = 0.1;
 
 } // namespace
 
-MacroRun::MacroRun(const Stepper& stepper, Assembly& rve, const MacroStep& step) : stepper_(&stepper), rve_(&rve), beta_(step.beta) {
-    const int substeps = substeps_needed(step);
-    if (substeps < 0) {
-        fault(Status::not_finite);
-        return;
-    }
-    AssemblyView& s = rve.view();
-    const AssemblyNumbers& n = *s.numbers;
-    split_ = substeps > step.substeps;
-    left_ = substeps;
-    sub_step_ = step.time_increment / substeps;
-    stretch_ = stretch_of(step.xx / substeps, step.xy / substeps, step.yx / substeps, step.yy / substeps, n.frame_angle);
-    strain_ = stretch_.largest_strain();
-    longest_ = strain_ > 0 ? static_cast<int>(std::clamp(bounds_of(stepper.kernel->precision).strain / strain_, 1.0, 1e6)) : substeps;
-    if (is_stable_by_list(s, contact_law_of(stepper.parameters), sub_step_)) begin();
+MacroRun::MacroRun(const Stepper& stepper, Assembly& rve, const MacroStep& step)
+    : stepper_(&stepper), rve_(&rve), step_(step), shortening_(shortening_by_damping(stepper.parameters.damping)) {
+    left_ = substeps_needed(step);
+    if (left_ < 0) fault(Status::bad_request);
+    else if (is_stable_by_list(rve.view(), contact_law_of(stepper.parameters), shortening_ * step.time_increment / left_)) begin();
     else need_ = Need::positions;
 }
 
 void MacroRun::judge() {
     ensure(need_ == Need::positions);
     const ContactLaw<double> law = contact_law_of(stepper_->parameters);
-    if (is_stable(rve_->view(), law, sub_step_)) return begin();
+    AssemblyView& s = rve_->view();
+    if (is_stable(s, law, shortening_ * step_.time_increment / left_)) {
+        begin();
+        return;
+    }
+    constexpr double safety = 0.9; // contacts have closed since the step was chosen, and more may close within it
+    const double largest = stable_step(omega_squared_of_contacts(s, law)) / shortening_;
+    const double needed = std::ceil(step_.time_increment / (safety * largest));
+    if (stepper_->smaller_sub_steps && needed <= most_extra_sub_steps * left_) {
+        left_ = std::max(left_, static_cast<int>(needed));
+        begin();
+        return;
+    }
     fault(Status::unstable_step);
-    answer_.largest_stable_step = stable_step(omega_squared_of_contacts(rve_->view(), law));
+    answer_.largest_stable_step = largest;
 }
 
 void MacroRun::begin() {
-    if (split_) ++rve_->view().numbers->split_steps;
+    AssemblyNumbers& n = *rve_->view().numbers;
+    sub_step_ = step_.time_increment / left_;
+    if (left_ > step_.substeps) ++n.split_steps;
+    stretch_ = stretch_of(step_.xx / left_, step_.xy / left_, step_.yx / left_, step_.yy / left_, n.frame_angle);
+    strain_ = stretch_.largest_strain();
+    longest_ = strain_ > 0 ? static_cast<int>(std::clamp(bounds_of(stepper_->kernel->precision).strain / strain_, 1.0, 1e6)) : left_;
     begin_chunk();
 }
 
@@ -106,7 +113,7 @@ void MacroRun::propose() {
             request_.substeps = substeps_;
             request_.sub_step = sub_step_;
             request_.first_kick = n.last_sub_step > 0 ? (n.last_sub_step + sub_step_) / 2 : sub_step_; // forces act half of each
-            request_.beta = beta_;
+            request_.beta = step_.beta;
             request_.displacement_allowed = fits.allowed();
             request_.ledger = stepper_->ledger;
             need_ = Need::chunk;

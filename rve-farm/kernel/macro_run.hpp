@@ -47,9 +47,10 @@ private:
     ChunkRequest request_;
     Answer answer_;
     Stretch stretch_;         // of the next sub-step
-    double sub_step_ = 0, strain_ = 0, beta_ = 1; // s; of a sub-step, the same in every one of the macro step
+    MacroStep step_;
+    double shortening_ = 1;             // of the stable step, by damping
+    double sub_step_ = 0, strain_ = 0;  // s; of a sub-step, the same in every one of the macro step
     int left_ = 0, longest_ = 0; // sub-steps of the macro step; of a chunk, by the strain of the cell
-    bool split_ = false;
 
     // Of the chunk that is being taken.
     int substeps_ = 0;

@@ -21,7 +21,7 @@ ChunkOutcome Stepper::run(const ChunkRequest& request, AssemblyView& s, const Co
 
 int substeps_needed(const MacroStep& step) {
     const double strain = stretch_of(step.xx, step.xy, step.yx, step.yy, 0).largest_strain();
-    if (!(strain <= largest_strain_of_a_macro_step) || !std::isfinite(step.xy - step.yx)) return -1;
+    if (!(strain <= largest_strain_of_a_macro_step) || !std::isfinite(step.xy - step.yx + step.beta)) return -1;
     return std::max(step.substeps, static_cast<int>(std::ceil(strain / largest_strain_of_a_sub_step * (1 - 1e-12))));
 }
 

@@ -26,6 +26,7 @@ struct Stepper {
     const Kernel* kernel = nullptr;
     bool ledger = true;                         // book work and dissipation
     std::optional<std::uint64_t> shuffle_seed;  // tests: the plain kernel, its phases visited in scrambled order
+    bool smaller_sub_steps = true;              // where contacts have grown too stiff for those asked for; else unstable_step
 
     LaneShape shape() const { return shuffle_seed ? LaneShape{} : kernel->shape; }
     ChunkOutcome run(const ChunkRequest& request, AssemblyView& s, const ColumnChoice& columns, const SlotLayout& layout) const;
@@ -38,7 +39,10 @@ constexpr double largest_strain_of_a_sub_step = 1e-4;
 // An increment beyond this is no step but a fault of whoever asked.
 constexpr double largest_strain_of_a_macro_step = 1.0;
 
-// The number of sub-steps, or -1 where the increment is none.
+// A step that would take more than so many times the sub-steps asked for is no longer helped but refused.
+constexpr int most_extra_sub_steps = 10;
+
+// The number of sub-steps that the strain calls for, or -1 where the request is none.
 int substeps_needed(const MacroStep& step);
 
 // The list of candidates made anew, and the layout of it.

@@ -48,6 +48,7 @@ RveParameters of_preparation(const RveSpec& spec, double friction, double sub_st
 FarmOptions one_thread() { // packings side by side take a thread each
     FarmOptions options;
     options.threads = 1;
+    options.smaller_sub_steps = false; // it chooses them itself
     return options;
 }
 

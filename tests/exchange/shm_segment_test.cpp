@@ -74,7 +74,7 @@ TEST_CASE("A name that cannot stand in /dev/shm is refused", "[exchange][shm]") 
     for (const char* name : {"", "a/b", "../x", "a b"}) CHECK_THROWS_AS(make_shm_channel(name, {}), Error);
 }
 
-TEST_CASE("A segment left behind by a dead process is removed at the next start of any run", "[exchange][shm]") {
+TEST_CASE("A segment left behind by a dead process is removed at the next start of any run", "[exchange][shm][alone]") {
     const std::string name = abandoned_segment();
     REQUIRE(in_dev_shm(name));
     SECTION("of the same name") { CHECK_NOTHROW(make_shm_channel(name, {})); }
@@ -101,7 +101,7 @@ TEST_CASE("A process number in use again does not keep a dead run's segment aliv
     CHECK(examine_segment("talik-" + name).state == SegmentState::stale);
 }
 
-TEST_CASE("Across pid namespaces, a lock on the segment tells life from death", "[exchange][shm]") {
+TEST_CASE("Across pid namespaces, a lock on the segment tells life from death", "[exchange][shm][alone]") {
     const std::string name = unique_name("namespace");
     const auto driver = make_shm_channel(name, {});
     const std::string left = abandoned_segment();
