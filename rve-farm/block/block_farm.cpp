@@ -116,7 +116,7 @@ void BlockFarm::prepare_device(OnDevice& on, const Stepper& stepper, const std::
         const int threads = block_threads(image.largest().groups, most_warps_spread);
         if (shared_bytes(stepper, image.largest(), threads, false, 0, nullptr) <= budget) continue;
         std::size_t spread = 0;
-        shared_bytes(stepper, image.largest(), threads, true, budget, &spread);
+        shared_bytes(stepper, image.largest(), threads, true, 0, &spread); // as if nothing were shared: enough for any list
         on.spread_bytes = std::max(on.spread_bytes, spread);
     }
     const std::size_t blocks = std::min<std::size_t>(blocks_of_a_batch, on.ids.size());

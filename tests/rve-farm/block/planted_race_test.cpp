@@ -1,3 +1,4 @@
+#include <cmath>
 #include <functional>
 
 #include "rve-farm/block/block_image.hpp"
@@ -46,7 +47,7 @@ private:
 
 using Frictional = Physics<NoBond, LocalDamping<double>, NoFluctuation, double>;
 
-// The virial after four sub-steps.
+// Virial and work after four sub-steps; no number where the block finds that its discs have none.
 double virial(std::uint64_t seed, int lost_phase) {
     RveParameters p;
     Assembly rve(p, samples::disordered(127));
@@ -70,7 +71,7 @@ double virial(std::uint64_t seed, int lost_phase) {
     BlockResult result;
     const Frictional physics{{p.contact.normal_stiffness, p.contact.tangential_stiffness, p.contact.friction}, {}, {p.damping}, {}};
     run_block<true, false, double>(LosingTeam(threads, seed, lost_phase), BlockSource{&there, &task, &result}, 0, physics, contact_law_of(p), reinterpret_cast<std::byte*>(shared.data()), 0);
-    REQUIRE(result.accepted == 1);
+    if (!result.accepted) return std::nan("");
     return result.sums.contacts.virial.xx + result.sums.contacts.virial.yy + result.sums.ledger.work;
 }
 
@@ -79,6 +80,7 @@ double virial(std::uint64_t seed, int lost_phase) {
 // Phase 0 loads, 1 + 2 k moves discs, 2 + 2 k takes contacts.
 TEST_CASE("a barrier left out of the block's program is caught by the scrambled order", "[block][team][planted]") {
     const double sound = virial(1, -1);
+    REQUIRE(std::isfinite(sound));
     CHECK(virial(2, -1) == sound);
     CHECK(virial(3, -1) == sound);
     for (int lost : {0, 1, 2, 3, 4}) {
