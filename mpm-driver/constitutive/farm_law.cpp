@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 
 #include "common/base/error.hpp"
@@ -13,6 +14,7 @@
 #include "common/physics/rve_columns.hpp"
 #include "exchange/sealed_file.hpp"
 #include "mpm-driver/constitutive/packing_choice.hpp"
+#include "mpm-driver/points/soundness.hpp"
 
 namespace talik::driver {
 namespace {
@@ -20,9 +22,9 @@ namespace {
 namespace columns_of = rve_columns;
 
 // Answers that the driver only passes on to its output.
-const std::array<Column, 6> reported_columns = {columns_of::coordination_number, columns_of::void_ratio, columns_of::bonds,
-                                                columns_of::broken_bonds, columns_of::work, columns_of::split_steps};
-constexpr std::size_t coordination_column = 0, split_steps_column = 5;
+const std::array<Column, 7> reported_columns = {columns_of::coordination_number, columns_of::void_ratio, columns_of::bonds,
+                                                columns_of::broken_bonds, columns_of::work, columns_of::split_steps, columns_of::retaken_chunks};
+constexpr std::size_t coordination_column = 0, split_steps_column = 5, retaken_chunks_column = 6;
 
 std::vector<Column> asked_for() {
     std::vector<Column> asked = {columns_of::stress, columns_of::status, columns_of::stiffness, columns_of::stored_energy,
@@ -74,14 +76,17 @@ void FarmLaw::begin(std::span<const std::uint32_t> ids, const Points& points, La
     require(values.size() == row_.size() * count, "the farm was set up with another number of RVEs", "use mpm-driver and rve-farm of one version");
     for (std::uint32_t rve = 0; rve < count; ++rve) {
         for (std::size_t component = 0; component < row_.size(); ++component) row_[component] = values[component * count + rve];
+        check_numbers(rve, row_.data());
         take(rve, row_.data(), initial);
     }
+    events_.reserve(3 * static_cast<std::size_t>(count));
     answer_ = farm_.make_answer(static_cast<int>(count));
     setup_.packings.clear(); // the farm has them now
 }
 
 void FarmLaw::submit(const LawRequest& request, LawAnswer answer) {
     out_ = answer;
+    events_.clear();
     step_ = request.step;
     time_ += request.time_increment;
     latest_time_increment_ = request.time_increment;
@@ -111,6 +116,8 @@ void FarmLaw::collect() {
     for (std::size_t row = 0; row < rves.size(); ++row) {
         for (std::size_t component = 0; component < row_.size(); ++component) row_[component] = answer_.component(static_cast<int>(component))[row];
         check_status(rves[row], row_[static_cast<std::size_t>(at_.status)]);
+        if (checks_) check_numbers(rves[row], row_.data());
+        if (checks_) watch(point_of_rve_[rves[row]], row_.data());
         take(rves[row], row_.data(), out_);
     }
     evaluations_ += static_cast<std::int64_t>(rves.size());
@@ -137,6 +144,29 @@ void FarmLaw::check_status(std::uint32_t rve, double status) const {
     fail(ExitCode::failed,
          fmt::format("the RVE of point {} failed in step {} (after {:.6g} s): {}", point_of_rve_[rve], step_, time_, index < names.size() ? names[index] : "unknown status"),
          "take a smaller rve.time_step or step, or restart from the last checkpoint with gentler loading");
+}
+
+// Whoever answers may be another program: what is no number must not reach the grid.
+void FarmLaw::check_numbers(std::uint32_t rve, const double* answer) const {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < row_.size(); ++k) sum += poison(answer[k]);
+    if (sum == 0.0) return;
+    for (const Column& column : answer_columns_.columns())
+        for (int c = 0; c < column.components; ++c) {
+            const double value = answer[answer_columns_.first_component(answer_columns_.index(column.name)) + c];
+            if (!std::isfinite(value))
+                fail(ExitCode::failed, fmt::format("the RVE of point {} answered a {} (component {}) of {} in step {} (after {:.6g} s)", point_of_rve_[rve], column.name, c, value, step_, time_),
+                     "mend the program that answers; restart from the last checkpoint");
+        }
+}
+
+// Before the answer is taken: what has grown since the last one.
+void FarmLaw::watch(std::uint32_t point, const double* answer) {
+    const auto now = [&](std::size_t column) { return answer[answer_columns_.first_component(answer_columns_.index(reported_columns[column].name))]; };
+    const double splits = now(split_steps_column) - reported_[split_steps_column][point], retaken = now(retaken_chunks_column) - reported_[retaken_chunks_column][point];
+    if (splits > 0.0) events_.push_back({Help::extra_sub_steps, point, splits});
+    if (retaken > 0.0) events_.push_back({Help::retaken_chunks, point, retaken});
+    if (now(coordination_column) == 0.0 && reported_[coordination_column][point] > 0.0) events_.push_back({Help::lost_contacts, point, 1.0});
 }
 
 std::int64_t FarmLaw::rves_without_contacts() const {

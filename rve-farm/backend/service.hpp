@@ -30,7 +30,7 @@ private:
     FarmOptions options_;
     bool books_energies_ = true;
     exchange::ColumnTable request_columns_, answer_columns_;
-    std::vector<double (*)(const Answer&)> readers_; // of each component of the agreed answer columns
+    std::vector<double (*)(const Answer&, const AssemblyNumbers&)> readers_; // of each component of the agreed answer columns
     std::optional<Farm> farm_;
     exchange::AnswerMemory memory_;
     exchange::Channel* progress_ = nullptr; // of the step under way
