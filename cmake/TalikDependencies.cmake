@@ -1,9 +1,14 @@
 # Every outside library, found once, here. All of them are packages of Debian 12 and Ubuntu 24.04 (tools/setup installs them).
 find_package(Threads REQUIRED)
-find_package(OpenMP REQUIRED COMPONENTS CXX)
+if(TALIK_FUZZ) # one thread, and a compiler that may have no OpenMP
+  add_library(OpenMP::OpenMP_CXX INTERFACE IMPORTED GLOBAL)
+else()
+  find_package(OpenMP REQUIRED COMPONENTS CXX)
+endif()
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(Boost 1.74 REQUIRED)
 find_package(HDF5 1.10 REQUIRED COMPONENTS C)
+find_package(ZLIB REQUIRED) # with HDF5
 find_package(CLI11 2.1 REQUIRED)
 find_package(fmt 9 REQUIRED)
 find_package(spdlog 1.10 REQUIRED)

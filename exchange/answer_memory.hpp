@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "exchange/batch.hpp"
-#include "exchange/byte_stream.hpp"
+#include "common/io/byte_stream.hpp"
 
 namespace talik::exchange {
 

@@ -4,7 +4,8 @@
 #include <fmt/format.h>
 
 #include "common/base/error.hpp"
-#include "exchange/byte_stream.hpp"
+#include "common/io/byte_stream.hpp"
+#include "exchange/run_board.hpp"
 
 namespace talik::exchange {
 
@@ -69,6 +70,7 @@ void DriverEnd::send_chunk() {
     }
     sent_rows_ += chunk_.count();
     ++step_.chunk;
+    ++run_board().requests;
 }
 
 void DriverEnd::finish_step() {
@@ -103,6 +105,7 @@ void DriverEnd::take_answer() {
         std::copy(rows.begin(), rows.end(), answer_->component(c).begin() + first_row);
     }
     ++answered_chunks_;
+    ++run_board().answers;
 }
 
 void DriverEnd::step(const StepClock& clock, const Batch& request, Batch& answer) {

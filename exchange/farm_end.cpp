@@ -6,7 +6,9 @@
 
 #include "common/base/error.hpp"
 #include "common/base/interrupt.hpp"
-#include "exchange/byte_stream.hpp"
+#include "common/base/stage_timer.hpp"
+#include "common/io/byte_stream.hpp"
+#include "exchange/run_board.hpp"
 
 namespace talik::exchange {
 namespace {
@@ -53,11 +55,34 @@ void FarmEnd::greet() {
     answer_columns_ = ColumnTable(driver_.answer_columns);
     layout_hash_ = exchange::layout_hash(request_columns_, answer_columns_);
     service_.agreed(driver_);
+    run_board().run_id = driver_.run_id;
     reply(FrameType::hello, encode(own));
 }
 
+// What a receive takes beyond waiting is copying.
+void FarmEnd::receive() {
+    const double waited = channel_.waiting_seconds();
+    double elapsed = 0.0;
+    {
+        const StageTimer::Scope timing(elapsed);
+        channel_.receive(incoming_);
+    }
+    if (!configured_) return;
+    const double waiting = channel_.waiting_seconds() - waited;
+    times_.waiting += waiting;
+    times_.copying += std::max(0.0, elapsed - waiting);
+}
+
+void FarmEnd::show_standing() const {
+    Board& board = run_board();
+    board.step = incoming_.step;
+    if (board.first_step == 0) board.first_step = incoming_.step;
+    board.computing = times_.computing, board.copying = times_.copying, board.waiting = times_.waiting;
+    board.updated = monotonic_seconds();
+}
+
 bool FarmEnd::handle() {
-    channel_.receive(incoming_);
+    receive();
     ByteReader in(incoming_.payload, name_of(incoming_.type));
     switch (incoming_.type) {
     case FrameType::configure:
@@ -69,7 +94,13 @@ bool FarmEnd::handle() {
         const std::string name = in.text();
         const auto payload = in.array<std::byte>();
         in.finish();
-        reply(FrameType::done, service_.command(name, payload));
+        if (name == "times") { // of this end, whatever answers behind it
+            ByteWriter times;
+            times.put(times_);
+            reply(FrameType::done, times.take());
+        } else {
+            reply(FrameType::done, service_.command(name, payload));
+        }
         return true;
     }
     case FrameType::checkpoint:
@@ -110,8 +141,20 @@ void FarmEnd::answer_step() {
              "give each run its own --exchange name");
     answer_.start(request_.header());
     std::copy(request_.ids().begin(), request_.ids().end(), answer_.ids().begin());
-    service_.answer(request_, answer_, channel_);
-    channel_.send(answer_.frame(FrameType::step_answer, layout_hash_));
+    ++run_board().requests;
+    {
+        const StageTimer::Scope timing(times_.computing);
+        service_.answer(request_, answer_, channel_);
+    }
+    const double waited = channel_.waiting_seconds();
+    {
+        const StageTimer::Scope timing(times_.copying);
+        channel_.send(answer_.frame(FrameType::step_answer, layout_hash_));
+    }
+    times_.waiting += channel_.waiting_seconds() - waited;
+    times_.copying -= channel_.waiting_seconds() - waited;
+    ++run_board().answers;
+    show_standing();
 }
 
 void FarmEnd::reply(FrameType type, std::vector<std::byte> payload) {

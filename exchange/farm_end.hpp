@@ -27,6 +27,11 @@ public:
     virtual void restore(const std::string& path) = 0;
 };
 
+// Wall time of one side in steps, s: its own work, moving messages, and waiting for the partner.
+struct LockstepTimes {
+    double computing = 0.0, copying = 0.0, waiting = 0.0;
+};
+
 class FarmEnd {
 public:
     FarmEnd(Channel& channel, FarmService& service, std::string program);
@@ -37,7 +42,9 @@ public:
 private:
     void greet();
     bool handle(); // false after bye
+    void receive();
     void answer_step();
+    void show_standing() const;
     void reply(FrameType type, std::vector<std::byte> payload = {});
     void tell(const std::exception& error) noexcept;
 
@@ -47,6 +54,7 @@ private:
     Hello driver_;
     std::uint64_t layout_hash_ = 0;
     bool configured_ = false;
+    LockstepTimes times_; // since it was configured
     Batch request_, answer_;
     ColumnTable request_columns_, answer_columns_;
     Frame incoming_, outgoing_;

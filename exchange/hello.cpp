@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/base/error.hpp"
-#include "exchange/byte_stream.hpp"
+#include "common/io/byte_stream.hpp"
 
 namespace talik::exchange {
 namespace {

@@ -171,9 +171,22 @@ private:
 
 } // namespace
 
+namespace {
+
+SharedSegment make_segment(const std::string& name, const ShmOptions& options) {
+    return SharedSegment::create(name, std::bit_ceil(std::max<std::size_t>(options.ring_bytes, 4096)), options.free_bytes);
+}
+
+} // namespace
+
 std::unique_ptr<Channel> make_shm_channel(const std::string& name, const WaitLimits& limits, const ShmOptions& options) {
-    const std::size_t ring_bytes = std::bit_ceil(std::max<std::size_t>(options.ring_bytes, 4096));
-    return std::make_unique<ShmChannel>(Role::driver, limits, SharedSegment::create(name, ring_bytes, options.free_bytes));
+    return std::make_unique<ShmChannel>(Role::driver, limits, make_segment(name, options));
+}
+
+std::pair<std::unique_ptr<Channel>, std::unique_ptr<Channel>> shm_channels_of_one_mapping(const std::string& name, const WaitLimits& limits, const ShmOptions& options) {
+    SharedSegment made = make_segment(name, options), joined = SharedSegment::join_here(name, made);
+    auto driver = std::make_unique<ShmChannel>(Role::driver, limits, std::move(made));
+    return {std::move(driver), std::make_unique<ShmChannel>(Role::farm, limits, std::move(joined))};
 }
 
 std::unique_ptr<Channel> join_shm_channel(const std::string& name, const WaitLimits& limits) {

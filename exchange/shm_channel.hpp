@@ -4,6 +4,7 @@
 // the latest it looks whether the partner lives and moves. Frames larger than the ring are streamed through it.
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "exchange/channel.hpp"
 
@@ -17,5 +18,7 @@ struct ShmOptions {
 // The driver makes the exchange NAME, the farm joins it. NAME stands in /dev/shm only until the farm has joined.
 std::unique_ptr<Channel> make_shm_channel(const std::string& name, const WaitLimits& limits, const ShmOptions& options = {});
 std::unique_ptr<Channel> join_shm_channel(const std::string& name, const WaitLimits& limits);
+// Both ends in one process over one mapping, for two threads: what the thread sanitizer can look at.
+std::pair<std::unique_ptr<Channel>, std::unique_ptr<Channel>> shm_channels_of_one_mapping(const std::string& name, const WaitLimits& limits, const ShmOptions& options = {});
 
 } // namespace talik::exchange

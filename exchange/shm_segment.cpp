@@ -82,7 +82,7 @@ SharedSegment::SharedSegment(bip::shared_memory_object&& memory, const std::stri
     : memory_(std::move(memory)), file_name_("talik-" + name) {}
 
 SharedSegment::~SharedSegment() {
-    if (region_.get_size() > 0 || !file_name_.empty()) remove_name();
+    remove_name();
 }
 
 void SharedSegment::remove_name() noexcept {
@@ -90,10 +90,10 @@ void SharedSegment::remove_name() noexcept {
     file_name_.clear();
 }
 
-void SharedSegment::map() { region_ = bip::mapped_region(memory_, bip::read_write); }
+void SharedSegment::map() { region_ = std::make_shared<bip::mapped_region>(memory_, bip::read_write); }
 
 std::byte* SharedSegment::ring_data(int role) const {
-    return static_cast<std::byte*>(region_.get_address()) + shm::data_offset + static_cast<std::size_t>(role) * (**this).ring_bytes;
+    return static_cast<std::byte*>(region_->get_address()) + shm::data_offset + static_cast<std::size_t>(role) * (**this).ring_bytes;
 }
 
 SharedSegment SharedSegment::create(const std::string& name, std::size_t ring_bytes, const std::function<std::uint64_t()>& free_bytes) {
@@ -103,7 +103,7 @@ SharedSegment SharedSegment::create(const std::string& name, std::size_t ring_by
     const std::size_t bytes = shm::segment_bytes(ring_bytes);
     allocate(made.file(), bytes, free_bytes ? free_bytes() : free_shared_memory());
     made.map();
-    auto* segment = new (made.region_.get_address()) shm::Segment{};
+    auto* segment = new (made.region_->get_address()) shm::Segment{};
     segment->preamble.version = protocol_version;
     segment->preamble.header_bytes = sizeof(shm::Segment);
     segment->preamble.segment_bytes = bytes;
@@ -180,10 +180,18 @@ SharedSegment SharedSegment::join(const std::string& name, const WaitLimits& lim
     SharedSegment joined(std::move(memory), name);
     const std::string file_name = std::exchange(joined.file_name_, {}); // the driver's, until this side has attached
     joined.map();
-    check_signed(*joined, joined.region_.get_size(), name);
+    check_signed(*joined, joined.region_->get_size(), name);
     attach_as_farm(*joined, name);
     hold_byte(joined.file(), static_cast<int>(Role::farm));
     joined.file_name_ = file_name;
+    joined.remove_name();
+    return joined;
+}
+
+SharedSegment SharedSegment::join_here(const std::string& name, const SharedSegment& made) {
+    SharedSegment joined(bip::shared_memory_object(bip::open_only, checked_file_name(name).c_str(), bip::read_write), name);
+    joined.region_ = made.region_;
+    attach_as_farm(*joined, name);
     joined.remove_name();
     return joined;
 }

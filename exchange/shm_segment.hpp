@@ -5,6 +5,7 @@
 #include <boost/interprocess/shared_memory_object.hpp>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "exchange/shm_layout.hpp"
@@ -18,12 +19,14 @@ public:
     static SharedSegment create(const std::string& name, std::size_t ring_bytes, const std::function<std::uint64_t()>& free_bytes);
     // The farm's side; waits for the segment to appear.
     static SharedSegment join(const std::string& name, const WaitLimits& limits);
+    // The farm's side in the driver's own process and mapping: for the thread sanitizer, which knows memory by its address.
+    static SharedSegment join_here(const std::string& name, const SharedSegment& made);
 
     ~SharedSegment();
     SharedSegment(SharedSegment&&) noexcept = default;
     SharedSegment& operator=(SharedSegment&&) = delete;
 
-    shm::Segment& operator*() const { return *static_cast<shm::Segment*>(region_.get_address()); }
+    shm::Segment& operator*() const { return *static_cast<shm::Segment*>(region_->get_address()); }
     shm::Segment* operator->() const { return &**this; }
     std::byte* ring_data(int role) const;
     int file() const { return memory_.get_mapping_handle().handle; }
@@ -35,7 +38,7 @@ private:
     static bool try_join(const std::string& name, boost::interprocess::shared_memory_object& memory);
     void map();
     boost::interprocess::shared_memory_object memory_;
-    boost::interprocess::mapped_region region_;
+    std::shared_ptr<boost::interprocess::mapped_region> region_; // null until it is mapped
     std::string file_name_; // "talik-NAME"; empty once removed
 };
 

@@ -35,8 +35,9 @@ Hdf5File::Hdf5File(Hdf5File&&) noexcept = default;
 Hdf5File& Hdf5File::operator=(Hdf5File&&) noexcept = default;
 Hdf5File::~Hdf5File() = default;
 
-Hdf5File Hdf5File::create(const std::string& file, const std::string& program, const std::string& format) {
+Hdf5File Hdf5File::create(const std::string& file, const std::string& program, const std::string& format, Layout layout) {
     const Id access(silent_access(), H5Pclose);
+    if (layout == Layout::growing) H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110); // what single-writer mode asks for
     auto handle = std::make_unique<Handle>();
     handle->id = written(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), file);
     Hdf5File made(file, std::move(handle));
@@ -51,6 +52,7 @@ Hdf5File Hdf5File::open(const std::string& file) {
     if (!std::filesystem::exists(file)) throw Error(ExitCode::bad_input, file, "does not exist", "check the path");
     auto handle = std::make_unique<Handle>();
     handle->id = H5Fopen(file.c_str(), H5F_ACC_RDONLY, access);
+    if (handle->id < 0) handle->id = H5Fopen(file.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access); // still growing, or its writer was killed
     if (handle->id < 0) fail_to_read(file, "is not a readable HDF5 file");
     return Hdf5File(file, std::move(handle));
 }

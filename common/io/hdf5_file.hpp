@@ -11,6 +11,8 @@
 
 namespace talik {
 
+template <class Number> class Hdf5Series;
+
 // Rows by columns, one row after the other.
 template <class Number>
 struct Hdf5Array {
@@ -20,8 +22,10 @@ struct Hdf5Array {
 
 class Hdf5File {
 public:
+    // growing: for the arrays of hdf5_series.hpp, readable while they grow.
+    enum class Layout { fixed, growing };
     // Every file says what wrote it: attributes `program`, `version`, and `format` (its layout, "talik-packing 1").
-    static Hdf5File create(const std::string& file, const std::string& program, const std::string& format);
+    static Hdf5File create(const std::string& file, const std::string& program, const std::string& format, Layout layout = Layout::fixed);
     static Hdf5File open(const std::string& file);   // to read
     static Hdf5File extend(const std::string& file); // an existing file, to write on
 
@@ -64,6 +68,8 @@ public:
     void require_format(const std::string& format) const; // the attribute `format` must read so
 
 private:
+    template <class Number> friend class Hdf5Series;
+    friend void start_growth(Hdf5File& file);
     struct Handle;
     Hdf5File(std::string name, std::unique_ptr<Handle> handle);
     std::string name_;

@@ -6,8 +6,9 @@
 #include <chrono>
 
 #include "common/base/error.hpp"
+#include "common/base/installation.hpp"
+#include "exchange/run_board.hpp"
 #include "exchange/shm_channel.hpp"
-#include "mpm-driver/app/packings.hpp"
 
 namespace talik::driver {
 namespace {
@@ -30,14 +31,19 @@ std::string exchange_name(const PartnerOptions& options, std::uint64_t run_id) {
 
 FarmPartner::FarmPartner(const PartnerOptions& options) : run_id_(fresh_run_id()) {
     const std::string name = exchange_name(options, run_id_);
+    exchange::run_board().run_id = run_id_;
     exchange::WaitLimits limits;
     limits.stall_seconds = options.stall_seconds;
     limits.attach_seconds = options.attach_seconds;
     channel_ = exchange::make_shm_channel(name, limits);
     if (!options.exchange.empty()) return;
-    std::vector<std::string> command = {sibling_program("rve-farm").string(), "serve", "--exchange", "shm:" + name, "--backend", options.backend,
-                                        "--launched", "--stall-seconds", fmt::format("{}", options.stall_seconds)};
-    if (options.threads > 0) command.insert(command.end(), {"--threads", std::to_string(options.threads)});
+    std::vector<std::string> command = {sibling_program("rve-farm").string()};
+    if (options.replay.empty())
+        command.insert(command.end(), {"serve", "--backend", options.backend});
+    else
+        command.insert(command.end(), "replay"), command.insert(command.end(), options.replay.begin(), options.replay.end());
+    command.insert(command.end(), {"--exchange", "shm:" + name, "--launched", "--stall-seconds", fmt::format("{}", options.stall_seconds)});
+    if (options.threads > 0 && options.replay.empty()) command.insert(command.end(), {"--threads", std::to_string(options.threads)});
     if (options.quiet) command.push_back("--quiet");
     process_ = std::make_unique<exchange::LaunchedProcess>(command, exchange::Interrupts::held);
     channel_->ask_fate([process = process_.get()] { return process->fate(); });

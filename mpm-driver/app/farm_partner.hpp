@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "exchange/channel.hpp"
 #include "exchange/process.hpp"
@@ -12,6 +13,7 @@ namespace talik::driver {
 struct PartnerOptions {
     std::string exchange;        // "shm:NAME"; empty = launch a farm of our own
     std::string backend = "auto";
+    std::vector<std::string> replay; // arguments of `rve-farm replay`, which then answers; empty = `serve`
     int threads = 0;             // of the farm; 0 = all
     double stall_seconds = 120.0, attach_seconds = 60.0; // of patience: exchange/wait.hpp
     bool quiet = false;

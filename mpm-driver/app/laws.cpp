@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
 #include "common/base/version.hpp"
+#include "exchange/record_file.hpp"
 #include "mpm-driver/app/packings.hpp"
 #include "mpm-driver/constitutive/elastic.hpp"
 #include "mpm-driver/points/overburden.hpp"
@@ -30,7 +32,32 @@ std::vector<std::string> packing_warnings(const Scene& scene, const std::vector<
     return warnings;
 }
 
+namespace {
+
+std::vector<std::string> replay_arguments(const RunOptions& options) {
+    std::vector<std::string> arguments;
+    if (options.replay.empty()) return arguments;
+    arguments.push_back(std::filesystem::absolute(options.replay).string());
+    if (options.loose) arguments.push_back("--loose");
+    if (options.tolerance) arguments.insert(arguments.end(), {"--tolerance", fmt::format("{}", *options.tolerance)});
+    return arguments;
+}
+
+void check_recording(const Scene& scene, const RunOptions& options) {
+    require(options.replay.empty() || options.exchange.empty(), "--replay and --exchange are both given", "start `rve-farm replay` at that exchange by hand, or leave --exchange out");
+    require(options.replay.empty() || std::filesystem::exists(options.replay), options.replay + ": no such recording", "record one: mpm-driver run SCENE --record FILE");
+    if (!options.replay.empty()) exchange::Record{options.replay}; // what is no recording is said here, before a farm is started
+    std::error_code none;
+    require(options.record.empty() || options.replay.empty() || !std::filesystem::equivalent(options.record, options.replay, none), "--record would overwrite the recording that --replay reads",
+            "name another file");
+    require(!options.replay.empty() || !(options.loose || options.tolerance), "--loose and --tolerance are for --replay", "give --replay FILE as well, or leave them out");
+    require(scene.rve.has_value() || (options.record.empty() && options.replay.empty()), "the scene has no RVEs: there is nothing to record or replay", "leave --record and --replay out");
+}
+
+} // namespace
+
 SceneLaws make_laws(Scene& scene, const RunOptions& options) {
+    check_recording(scene, options);
     SceneLaws out;
     if (scene.elastic) out.laws_["elastic"] = std::make_unique<ElasticLaw>(*scene.elastic);
     if (scene.rve) {
@@ -43,13 +70,14 @@ SceneLaws make_laws(Scene& scene, const RunOptions& options) {
         out.warnings_ = packing_warnings(scene, setup.packings);
         for (const Packing& p : setup.packings) out.packings_.push_back({p.seed, p.void_ratio(), p.pressure, p.vertical_stress, p.lateral_stress});
         for (const std::string& warning : out.warnings_) log::warn("{}", warning);
-        out.partner_ = std::make_unique<FarmPartner>(PartnerOptions{options.exchange, options.backend, options.threads, options.stall_seconds, options.attach_seconds, options.quiet});
+        out.partner_ = std::make_unique<FarmPartner>(PartnerOptions{options.exchange, options.backend, replay_arguments(options), options.threads, options.stall_seconds, options.attach_seconds, options.quiet});
         exchange::Hello hello;
         hello.program = "mpm-driver " + version();
         hello.run_id = out.partner_->run_id();
         hello.scene_hash = scene.hash;
         auto law = std::make_unique<FarmLaw>(out.partner_->channel(), hello, std::move(setup), scene.seed);
         law->start_at_depth(Overburden(scene));
+        law->record(options.record);
         out.farm_ = law.get();
         out.laws_["rve"] = std::move(law);
     }
@@ -72,13 +100,16 @@ RunFacts SceneLaws::facts() const {
         facts.warnings.push_back(fmt::format("{} of {} RVEs carry no contact force at the end: opened by tension, or by stresses that ring inside a cell (docs/method.md, limits)",
                                              facts.rves_without_contacts, facts.rves));
     facts.waiting_driver = partner_->channel().waiting_seconds();
-    facts.waiting_farm = farm_waited_;
+    if (farm_times_) facts.waiting_farm = farm_times_->waiting;
+    facts.farm_times = farm_times_;
+    facts.driver_times = {0.0, farm_->copying_seconds(), farm_->waiting_seconds()}; // computing: the rest, once all is known
+    if (farm_->recording_seconds() > 0.0) facts.recording_seconds = farm_->recording_seconds();
     return facts;
 }
 
 void SceneLaws::bye() {
     if (!farm_) return;
-    farm_waited_ = farm_->farm_waiting_seconds();
+    farm_times_ = farm_->farm_times();
     farm_->bye();
 }
 

@@ -17,6 +17,7 @@ public:
     Simulation::Laws take() { return std::move(laws_); } // for the simulation, once
     RunFacts facts() const;                              // of the farm
     std::int64_t rves() const { return farm_ ? farm_->rves() : 0; }
+    const FarmLaw* farm() const { return farm_; } // null where there is none
     bool farm_wishes_to_end() const { return farm_ && partner_->channel().partner_wishes_to_end(); }
     void bye(); // the farm says how long it waited, and ends
 
@@ -34,7 +35,7 @@ private:
     FarmLaw* farm_ = nullptr;
     std::vector<std::string> warnings_;
     std::vector<PackingFact> packings_;
-    std::optional<double> farm_waited_; // s; empty until the farm has said so
+    std::optional<exchange::LockstepTimes> farm_times_; // empty until the farm has said so
 };
 
 // Starts the farm where there is one; sets the bulk density of bodies whose scene leaves it to the RVEs.

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "common/base/error.hpp"
+#include "common/base/installation.hpp"
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "common/base/option_ranges.hpp"
@@ -38,7 +39,7 @@ int main(int argc, char** argv) {
     app.footer("Examples:\n"
                "  mpm-driver check cases/biaxial/dense.toml\n"
                "  mpm-driver explain cases/biaxial/dense.toml\n"
-               "  mpm-driver run cases/biaxial/dense.toml --output out/dense\n"
+               "  mpm-driver run cases/biaxial/dense.toml --output out/dense   (installed: mpm-driver run biaxial/dense)\n"
                "  mpm-driver --help-scene                 every key of a scene");
     bool help_scene = false, markdown_scene = false;
     app.add_flag("--help-scene", help_scene, "every key of a scene: unit, default, range, meaning");
@@ -52,11 +53,16 @@ int main(int argc, char** argv) {
     run_command->footer("Examples:\n"
                         "  mpm-driver run scene.toml --set stage.0.duration=\"0.2 s\" --set rve.contact.friction=0.3\n"
                         "  mpm-driver run scene.toml --output out/a --restart out/a/checkpoint-000001200\n"
+                        "  mpm-driver run scene.toml --record record.h5        (then, without any DEM: --replay record.h5)\n"
                         "  mpm-driver run scene.toml --exchange shm:slope      (and: rve-farm serve --exchange shm:slope)");
     run_command->add_option("scene", options.scene, "SCENE.toml")->required();
     run_command->add_option("--output", options.output, "folder for everything the run leaves (default: out/<scene>)")->check(not_empty());
     run_command->add_option("--exchange", options.exchange, "shm:NAME: meet a farm there instead of launching one");
     run_command->add_option("--restart", options.restart, "go on from this checkpoint")->check(not_empty());
+    run_command->add_option("--record", options.record, "writes every request to the farm and every answer there (HDF5)")->check(not_empty());
+    run_command->add_option("--replay", options.replay, "a recording answers instead of a farm, strictly: the run must be the recorded one")->check(not_empty());
+    run_command->add_flag("--loose", options.loose, "with --replay: each RVE answers with what was recorded nearest to its deformation");
+    run_command->add_option("--tolerance", options.tolerance, "with --replay: how far requests may be from the recorded ones, relative (1e-9)")->check(CLI::NonNegativeNumber);
     auto* until_option = run_command->add_option("--until", until, "stop at this simulated time, s")->check(above_zero());
     run_command->add_option("--set", options.set, "KEY=VALUE: overrides a key of the scene (repeatable)");
     run_command->add_option("--threads", options.threads, "of the farm and of the driver; 0 = all")->check(thread_count());
@@ -68,6 +74,7 @@ int main(int argc, char** argv) {
         if (until_option->count() > 0) options.until = until;
         log::start("mpm-driver", options.quiet);
         watch_interrupts();
+        options.scene = find_case(options.scene);
         exit = run(options);
     });
 
@@ -80,13 +87,13 @@ int main(int argc, char** argv) {
     explain_command->add_option("--threads", threads, "that a run would have; 0 = all")->check(thread_count());
     explain_command->callback([&] {
         log::start("mpm-driver", false);
-        exit = explain(scene, set, threads);
+        exit = explain(find_case(scene), set, threads);
     });
 
     CLI::App* check_command = app.add_subcommand("check", "Validates a scene: every fault in it at once");
     check_command->add_option("scene", scene, "SCENE.toml")->required();
     check_command->add_option("--set", set, "KEY=VALUE: overrides a key of the scene (repeatable)");
-    check_command->callback([&] { exit = check(scene, set); });
+    check_command->callback([&] { exit = check(find_case(scene), set); });
 
     return run_program([&] {
         try {

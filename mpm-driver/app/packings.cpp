@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "common/base/error.hpp"
+#include "common/base/installation.hpp"
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "common/io/text_file.hpp"
@@ -80,8 +81,6 @@ fs::path cache_folder() {
     const char* home = std::getenv("HOME");
     return (home && *home ? fs::path(home) / ".cache" : fs::temp_directory_path()) / "talik";
 }
-
-fs::path sibling_program(const std::string& name) { return fs::read_symlink("/proc/self/exe").parent_path() / name; }
 
 std::vector<Packing> obtain_packings(const RveSpec& rve, int threads, bool quiet) {
     const PackingSpec& spec = rve.packing;

@@ -14,7 +14,4 @@ std::vector<Packing> obtain_packings(const RveSpec& rve, int threads, bool quiet
 // TALIK_CACHE, else XDG_CACHE_HOME/talik, else HOME/.cache/talik.
 std::filesystem::path cache_folder();
 
-// A program of Talik, beside this one.
-std::filesystem::path sibling_program(const std::string& name);
-
 } // namespace talik::driver

@@ -13,6 +13,7 @@
 #include "common/base/progress.hpp"
 #include "common/base/version.hpp"
 #include "common/io/text_file.hpp"
+#include "exchange/run_board.hpp"
 #include "mpm-driver/app/farm_partner.hpp"
 #include "mpm-driver/app/laws.hpp"
 #include "mpm-driver/app/output_folder.hpp"
@@ -84,10 +85,15 @@ public:
     int go() {
         const double end = options_.until ? std::min(*options_.until, simulation_.end_time()) : simulation_.end_time();
         Progress progress(scene_.title.empty() ? scene_.file : scene_.title, options_.quiet);
+        exchange::Board& board = exchange::run_board();
+        board.first_step = board.step = static_cast<std::uint64_t>(simulation_.steps_done());
+        board.first_fraction = board.fraction = simulation_.time() / end;
+        board.began = exchange::monotonic_seconds();
         while (!simulation_.finished() && simulation_.time() < end * (1.0 - 1e-12)) {
             if (interrupted()) stop(fmt::format("stopped by {}", interrupt_name()));
             if (laws_.farm_wishes_to_end()) stop("stopped because the farm was asked to end");
             advance();
+            show_standing(board, simulation_.time() / end);
             progress.update(simulation_.time() / end, fmt::format("t = {:.4g} s, step {}", simulation_.time(), simulation_.steps_done()));
         }
         if (!written_fields_) write_fields();
@@ -106,6 +112,7 @@ public:
         facts.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
         facts.stage_seconds = simulation_.schedule().timer().rows();
         facts.stage_seconds.emplace_back("output", output_seconds_);
+        facts.driver_times.computing = std::max(0.0, facts.wall_seconds - facts.driver_times.copying - facts.driver_times.waiting - facts.recording_seconds.value_or(0.0));
         facts.exit = exit;
         facts.cause = cause;
         facts.cpu_seconds = cpu_seconds();
@@ -127,6 +134,18 @@ private:
         for (std::size_t i = 0; i < scene_.stages.size(); ++i)
             for (const DampingFault& fault : damping_faults(scene_.stages[i], step))
                 throw Error(ExitCode::bad_input, fmt::format("{}: stage.{}.{}", scene_.file, i, fault.key), fault.problem, fault.remedy);
+    }
+
+    // For `rve-farm status`.
+    void show_standing(exchange::Board& board, double fraction) const {
+        board.step = static_cast<std::uint64_t>(simulation_.steps_done());
+        board.time = simulation_.time();
+        board.fraction = fraction;
+        board.updated = exchange::monotonic_seconds();
+        if (!laws_.farm()) return;
+        board.copying = laws_.farm()->copying_seconds();
+        board.waiting = laws_.farm()->waiting_seconds();
+        board.computing = std::max(0.0, board.updated - board.began - board.copying - board.waiting);
     }
 
     void advance() {
@@ -211,6 +230,7 @@ int run(const RunOptions& options) {
     Scene scene = read_scene(options.scene, options.set);
     const fs::path output = output_folder(options);
     const OutputLock lock(output);
+    exchange::publish_run_board(exchange::Role::driver, options.exchange, scene.title, fs::absolute(output).lexically_normal().string());
     SceneLaws laws = make_laws(scene, options); // outlives the run, so that the farm is told what ended it
     return laws.with_cause([&] {
         Run run(options, output, scene, laws);

@@ -11,6 +11,10 @@ struct RunOptions {
     std::string output;               // empty = out/<scene's name>
     std::string exchange;             // empty = launch a farm
     std::string restart;              // a checkpoint's folder
+    std::string record;               // file for every request and answer; empty = none
+    std::string replay;               // recording that answers instead of a farm; empty = none
+    bool loose = false;               // replay: nearest recorded answers
+    std::optional<double> tolerance;  // replay: of a request
     std::string backend = "auto";
     std::optional<double> until;      // s
     std::vector<std::string> set;     // key=value

@@ -8,10 +8,12 @@
 #include <filesystem>
 
 #include "common/base/error.hpp"
+#include "common/base/stage_timer.hpp"
 #include "common/io/byte_stream.hpp"
 #include "common/io/hdf5_file.hpp"
 #include "common/physics/clock.hpp"
 #include "common/physics/rve_columns.hpp"
+#include "exchange/checksum.hpp"
 #include "exchange/sealed_file.hpp"
 #include "mpm-driver/constitutive/packing_choice.hpp"
 #include "mpm-driver/points/soundness.hpp"
@@ -35,6 +37,10 @@ std::vector<Column> asked_for() {
 }
 
 } // namespace
+
+int exchanged_components(bool ice) {
+    return exchange::ColumnTable(asked_for()).components() + columns_of::displacement_gradient_increment.components + (ice ? columns_of::ice_saturation.components : 0);
+}
 
 FarmLaw::FarmLaw(exchange::Channel& channel, exchange::Hello hello, FarmSetup setup, std::uint64_t seed)
     : farm_(channel), hello_(std::move(hello)), setup_(std::move(setup)), seed_(seed) {
@@ -70,7 +76,8 @@ void FarmLaw::begin(std::span<const std::uint32_t> ids, const Points& points, La
     sends_ice_ = setup_.parameters.bond && !points.ice_saturation.empty();
     if (sends_ice_) hello_.request_columns.push_back(columns_of::ice_saturation);
     farm_program_ = farm_.connect(hello_).program;
-    const auto said = farm_.configure(encode(setup_));
+    const std::vector<std::byte> setup = encode(setup_);
+    const auto said = farm_.configure(setup);
     ByteReader in(said, "the answer to configure");
     const auto values = in.array<double>();
     require(values.size() == row_.size() * count, "the farm was set up with another number of RVEs", "use mpm-driver and rve-farm of one version");
@@ -81,16 +88,49 @@ void FarmLaw::begin(std::span<const std::uint32_t> ids, const Points& points, La
     }
     events_.reserve(3 * static_cast<std::size_t>(count));
     answer_ = farm_.make_answer(static_cast<int>(count));
+    if (!record_file_.empty()) start_recording(setup, values, count);
     setup_.packings.clear(); // the farm has them now
 }
 
+void FarmLaw::start_recording(std::span<const std::byte> setup, std::span<const double> initial, std::size_t rves) {
+    recorder_ = std::make_unique<exchange::Recorder>(record_file_, exchange::RecordFacts{hello_.program, farm_program_, hello_.scene_hash, fmt::format("{:016x}", exchange::checksum(setup)),
+                                                                                         hello_.request_columns, hello_.answer_columns, rves, {initial.begin(), initial.end()}});
+}
+
+void FarmLaw::bye() {
+    if (recorder_) recorder_->close();
+    farm_.bye();
+}
+
+// Of a scope: what of its time was waiting for the farm, and what was copying; recording has its own account.
+class FarmLaw::Timing {
+public:
+    explicit Timing(FarmLaw& law) : law_(law), waited_(law.farm_.channel().waiting_seconds()), recorded_(law.recording_seconds()), begin_(StageTimer::Clock::now()) {}
+    ~Timing() {
+        const double elapsed = std::chrono::duration<double>(StageTimer::Clock::now() - begin_).count();
+        const double waiting = law_.farm_.channel().waiting_seconds() - waited_;
+        law_.waiting_ += waiting;
+        law_.copying_ += std::max(0.0, elapsed - waiting - (law_.recording_seconds() - recorded_));
+    }
+    Timing(const Timing&) = delete;
+    Timing& operator=(const Timing&) = delete;
+
+private:
+    FarmLaw& law_;
+    double waited_, recorded_;
+    StageTimer::Clock::time_point begin_;
+};
+
 void FarmLaw::submit(const LawRequest& request, LawAnswer answer) {
+    const Timing timing(*this);
     out_ = answer;
     events_.clear();
     step_ = request.step;
     time_ += request.time_increment;
     latest_time_increment_ = request.time_increment;
-    farm_.begin_step({request.step, request.time_increment, static_cast<std::uint32_t>(setup_.parameters.substeps)}, static_cast<int>(request.ids.size()), answer_);
+    const exchange::StepClock clock{request.step, request.time_increment, static_cast<std::uint32_t>(setup_.parameters.substeps)};
+    farm_.begin_step(clock, static_cast<int>(request.ids.size()), answer_);
+    if (recorder_) recorder_->begin_step(clock);
     for (std::size_t sent = 0; sent < request.ids.size();) {
         exchange::Batch& chunk = farm_.next_chunk();
         const auto rves = chunk.ids();
@@ -106,12 +146,15 @@ void FarmLaw::submit(const LawRequest& request, LawAnswer answer) {
             if (sends_ice_) chunk.component(4)[row] = request.ice_saturation[point];
         }
         sent += rves.size();
+        if (recorder_) recorder_->request(chunk);
         farm_.send_chunk();
     }
 }
 
 void FarmLaw::collect() {
+    const Timing timing(*this);
     farm_.finish_step();
+    if (recorder_) recorder_->end_step(answer_);
     const auto rves = answer_.ids();
     for (std::size_t row = 0; row < rves.size(); ++row) {
         for (std::size_t component = 0; component < row_.size(); ++component) row_[component] = answer_.component(static_cast<int>(component))[row];
@@ -182,10 +225,10 @@ std::int64_t FarmLaw::split_steps() const {
     return static_cast<std::int64_t>(sum);
 }
 
-double FarmLaw::farm_waiting_seconds() {
-    const auto said = farm_.command("waiting seconds");
-    ByteReader in(said, "the answer to \"waiting seconds\"");
-    return in.get<double>();
+exchange::LockstepTimes FarmLaw::farm_times() {
+    const auto said = farm_.command("times");
+    ByteReader in(said, "the answer to \"times\"");
+    return in.get<exchange::LockstepTimes>();
 }
 
 double FarmLaw::dem_time_step() const {
@@ -200,7 +243,8 @@ bool FarmLaw::activate(const std::string& effect, std::span<const std::uint32_t>
         if (const std::uint32_t rve = rve_of_point_[point]; rve < point_of_rve_.size() && point_of_rve_[rve] == point) rves.push_back(rve);
     ByteWriter ids;
     ids.array(rves);
-    farm_.command("activate bonds", ids.bytes());
+    const auto reply = farm_.command("activate bonds", ids.bytes());
+    if (recorder_) recorder_->command("activate bonds", ids.bytes(), reply);
     return true;
 }
 
@@ -216,6 +260,7 @@ void FarmLaw::checkpoint(const std::string& folder) {
 
 void FarmLaw::restore(const std::string& folder) {
     farm_.restore(std::filesystem::absolute(std::filesystem::path(folder) / "farm.h5").string());
+    if (recorder_) recorder_->go_on();
     exchange::require_sealed(std::filesystem::path(folder) / "law.h5");
     const Hdf5File file = Hdf5File::open((std::filesystem::path(folder) / "law.h5").string());
     evaluations_ = file.integer_attribute("/", "evaluations");

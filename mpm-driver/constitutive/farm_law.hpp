@@ -2,14 +2,20 @@
 // The law whose stresses come from a farm of RVEs behind the exchange: one RVE for each of its points.
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "common/packing/farm_setup.hpp"
 #include "exchange/driver_end.hpp"
+#include "exchange/farm_end.hpp"
+#include "exchange/recorder.hpp"
 #include "mpm-driver/constitutive/law.hpp"
 
 namespace talik::driver {
+
+// Numbers that travel for an RVE in a step, there and back: what a recording holds. ice: S_i is sent as well.
+int exchanged_components(bool ice);
 
 class FarmLaw : public Law {
 public:
@@ -18,6 +24,9 @@ public:
 
     // Where the packings are snapshots of K0 paths: the vertical stress of the ground above a place, Pa, compression positive.
     void start_at_depth(std::function<double(const Vector&)> vertical_stress) { vertical_stress_ = std::move(vertical_stress); }
+
+    // Before begin(): every request and answer is written there.
+    void record(const std::string& file) { record_file_ = file; }
 
     std::string name() const override { return "rve"; }
     void begin(std::span<const std::uint32_t> ids, const Points& points, LawAnswer initial) override;
@@ -30,8 +39,11 @@ public:
     void restore(const std::string& folder) override;
     std::vector<StateColumn> columns() override;
 
-    void bye() { farm_.bye(); }
-    double farm_waiting_seconds(); // asked of the farm, s
+    void bye();
+    double recording_seconds() const { return recorder_ ? recorder_->seconds() : 0.0; } // of this thread
+    exchange::LockstepTimes farm_times(); // asked of the farm
+    double copying_seconds() const { return copying_; } // of this side, in steps, s
+    double waiting_seconds() const { return waiting_; }
     double dem_time() const { return time_; } // that the RVEs have lived through, s
     double dem_time_step() const;  // dt / n of the latest macro step, s; 0 before the first
     const std::string& farm_program() const { return farm_program_; }
@@ -45,6 +57,8 @@ private:
     struct Components {
         int stress, status, stiffness, stored, kinetic, friction, damping, bond;
     };
+    void start_recording(std::span<const std::byte> setup, std::span<const double> initial, std::size_t rves);
+    class Timing;
     void take(std::uint32_t rve, const double* answer, LawAnswer out);
     void check_status(std::uint32_t rve, double status) const;
     void check_numbers(std::uint32_t rve, const double* answer) const;
@@ -63,6 +77,9 @@ private:
     std::vector<std::uint32_t> point_of_rve_, rve_of_point_;
     std::vector<double> scale_; // a point's initial volume over its RVE's, by RVE: energies of the RVE times this are the point's
 
+    std::string record_file_;
+    std::unique_ptr<exchange::Recorder> recorder_; // null where nothing is recorded
+
     // Of the step in flight.
     exchange::Batch answer_;
     LawAnswer out_;
@@ -76,6 +93,7 @@ private:
     std::int64_t evaluations_ = 0;
     std::vector<LawEvent> events_; // room for all that a step can bring
     bool checks_ = true;
+    double copying_ = 0.0, waiting_ = 0.0; // s, of submit() and collect()
 };
 
 } // namespace talik::driver

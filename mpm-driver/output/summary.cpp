@@ -76,6 +76,13 @@ Effects effects_of(const Scene& scene) {
     return effects;
 }
 
+std::string bottleneck(const RunFacts& facts) {
+    if (!facts.farm_times) return {};
+    const bool farm = facts.farm_times->waiting < facts.driver_times.waiting;
+    const exchange::LockstepTimes& busy = farm ? *facts.farm_times : facts.driver_times;
+    return std::string(farm ? "farm: " : "driver: ") + (busy.computing >= busy.copying ? "computing" : "copying");
+}
+
 void write_summary(const std::filesystem::path& path, const Simulation& simulation, const RunFacts& facts) {
     const Scene& scene = simulation.scene();
     const Ledger& ledger = simulation.ledger();
@@ -118,6 +125,12 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
     for (const auto& [stage, seconds] : facts.stage_seconds) json["wall_seconds"][stage] = seconds;
     json["cpu_seconds"] = facts.cpu_seconds;
     json["waiting_seconds"] = {{"driver", facts.waiting_driver}, {"farm", facts.waiting_farm ? Json(*facts.waiting_farm) : Json()}};
+    const auto times = [](const exchange::LockstepTimes& t) { return Json{{"computing", t.computing}, {"copying", t.copying}, {"waiting", t.waiting}}; };
+    if (!facts.farm.empty()) {
+        json["lockstep_seconds"] = {{"driver", times(facts.driver_times)}, {"farm", facts.farm_times ? times(*facts.farm_times) : Json()}};
+        json["bottleneck"] = bottleneck(facts);
+    }
+    if (facts.recording_seconds) json["recording_seconds"] = *facts.recording_seconds;
     json["balance"] = {{"mass", ledger.mass_error()}, {"momentum", ledger.momentum_error()}, {"energy", ledger.energy_error()}, {"heat", simulation.heat() ? Json(simulation.heat()->balance_error(simulation.points())) : Json()}, {"numerical_loss", ledger.numerical_loss()}};
     json["energy_J"] = {{"input", ledger.input_work()}, {"work_of_walls", ledger.wall_work}, {"work_of_pressure", ledger.pressure_work}, {"work_of_gravity", ledger.gravity_work}, {"kinetic", ledger.kinetic}, {"internal_work", ledger.internal_work},
                         {"stored", ledger.law_stored}, {"dissipated_in_material", ledger.law_dissipation}, {"pic", ledger.pic},
@@ -149,6 +162,7 @@ std::string summary_table(const Simulation& simulation, const RunFacts& facts) {
     if (facts.rves > 0) row("RVE evaluations", fmt::format("{} ({} with extra sub-steps)", facts.evaluations_done, facts.split_steps));
     row("wall time", fmt::format("{} ({:.1f} s)", readable_duration(facts.wall_seconds), facts.wall_seconds));
     if (facts.rves > 0) row("waiting", fmt::format("driver {:.1f} s, farm {}", facts.waiting_driver, facts.waiting_farm ? fmt::format("{:.1f} s", *facts.waiting_farm) : "unknown"));
+    if (const std::string which = bottleneck(facts); !which.empty()) row("bottleneck", which);
     if (const HeatSolver* heat = simulation.heat()) {
         row("heat", fmt::format("{:.4g} J entered in {:.0f} steps, balance error {:.1e}; temperatures out of range by at most {:.2g} K ({:.2g} % of the span){}",
                                 heat->books().entered(), heat->steps(), heat->balance_error(simulation.points()), heat->books().overshoot(),

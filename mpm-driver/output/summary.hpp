@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "exchange/farm_end.hpp"
 #include "mpm-driver/mechanics/simulation.hpp"
 
 namespace talik::driver {
@@ -37,12 +38,18 @@ struct RunFacts {
     std::vector<std::pair<std::string, double>> stage_seconds;
     double waiting_driver = 0.0;         // s
     std::optional<double> waiting_farm;  // s; empty where the farm was lost before it could tell
+    exchange::LockstepTimes driver_times;                // in steps
+    std::optional<exchange::LockstepTimes> farm_times;   // empty as above
+    std::optional<double> recording_seconds;             // of the driver's thread; empty where nothing was recorded
     std::vector<std::string> warnings;
     int exit = 0;
     std::string cause;                       // of the end, where it was not the scene's
 };
 
 void write_summary(const std::filesystem::path& path, const Simulation& simulation, const RunFacts& facts);
+
+// The side that the other one waits for, and what it spends most of its time on: "farm: computing". Empty without a farm.
+std::string bottleneck(const RunFacts& facts);
 
 // The short table a run ends with.
 std::string summary_table(const Simulation& simulation, const RunFacts& facts);

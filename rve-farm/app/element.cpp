@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "common/base/error.hpp"
+#include "common/base/installation.hpp"
 #include "common/base/log.hpp"
 #include "common/base/option_ranges.hpp"
 #include "common/base/progress.hpp"
@@ -55,7 +56,7 @@ void element(const ElementOptions& options) {
     require(!options.specification.empty(), "element: a specification is needed", "see rve-farm element --help");
     log::start("rve-farm", options.quiet);
     std::string dump;
-    const ElementSpec spec = read_element_specification(options.specification, options.overrides, dump);
+    const ElementSpec spec = read_element_specification(find_case(options.specification), options.overrides, dump);
     const auto packings = packings_of(spec.rve, options.threads, options.quiet);
     for (const std::string& doubt : doubts_before(spec.test, packings)) log::warn("{}", doubt);
     FarmOptions farm;

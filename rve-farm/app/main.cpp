@@ -16,6 +16,8 @@ int main(int argc, char** argv) {
     talik::farm::add_bench(app);
     int exit = 0;
     talik::farm::add_serve(app, exit);
+    talik::farm::add_replay(app, exit);
+    talik::farm::add_status(app, exit);
     return talik::run_program([&] {
         try {
             app.parse(argc, argv);

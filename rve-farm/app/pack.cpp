@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "common/base/error.hpp"
+#include "common/base/installation.hpp"
 #include "common/base/log.hpp"
 #include "common/base/option_ranges.hpp"
 #include "common/base/progress.hpp"
@@ -61,7 +62,7 @@ void pack(const PackOptions& options) {
     log::start("rve-farm", options.quiet);
     check_output(options.output);
     std::string dump;
-    const RveSpec spec = read_pack_specification(options.specification, options.overrides, dump);
+    const RveSpec spec = read_pack_specification(find_case(options.specification), options.overrides, dump);
     std::vector<Packing> packings;
     {
         Progress progress("packings", options.quiet);

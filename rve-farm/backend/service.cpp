@@ -147,10 +147,7 @@ std::vector<std::byte> Service::command(const std::string& name, std::span<const
         }
         return {};
     }
-    require(name == "waiting seconds", "the farm knows no command \"" + name + "\"", "it knows: activate bonds, waiting seconds");
-    ByteWriter out;
-    out.put(progress_ ? progress_->waiting_seconds() : 0.0);
-    return out.take();
+    fail(ExitCode::bad_input, "the farm knows no command \"" + name + "\"", "it knows: activate bonds, times");
 }
 
 void Service::checkpoint(const std::string& path) {

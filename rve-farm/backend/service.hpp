@@ -19,7 +19,7 @@ public:
     // Takes a FarmSetup; returns the answers of all RVEs as they stand, [component][id], in the agreed columns.
     std::vector<std::byte> configure(std::span<const std::byte> payload, exchange::Channel& progress) override;
     void answer(const exchange::Batch& request, exchange::Batch& answer, exchange::Channel& progress) override;
-    // "activate bonds": in all RVEs, or in those whose ids are the payload; "waiting seconds": how long this side has waited for the driver so far, s
+    // "activate bonds": in all RVEs, or in those whose ids are the payload
     std::vector<std::byte> command(const std::string& name, std::span<const std::byte> payload) override;
     void checkpoint(const std::string& path) override;
     void restore(const std::string& path) override;

@@ -10,7 +10,7 @@ constexpr bool is_single = sizeof(Scalar<Real>) == 4;
 
 // The series below hold while branches turn and stretch by at most this since the start of a chunk (advance keeps to it by
 // the length of its chunks), rad and strain: what they leave out is then of the size of a rounding, at most 2e-9 rad of an
-// angle, 2e-8 of a cosine and 3e-9 of a length in single, 7e-15 in double.
+// angle, 2e-8 of a stretch and 3e-9 of a length in single, 9e-15 in double.
 template <class Real>
 constexpr double largest_turn_of_a_branch = is_single<Real> ? 0.06 : 0.02;
 
@@ -28,27 +28,26 @@ TALIK_HOST_DEVICE Real reciprocal_of_one_plus(Real e) {
 
 template <class Real>
 struct BranchMotion {
-    Real length_change;  // |b| - |b0|, m
-    Real cosine, sine;   // of the angle from n0 to n
-    Real angle;          // rad, counter-clockwise
+    Real length_change;      // |b| - |b0|, m
+    Real inverse_stretch;    // |b0| / |b|, -
+    Real angle;              // from n0 to n, rad, counter-clockwise
 
     // length: |b0|, m. along, across: components of (b - b0) / |b0| along n0 and t0 = (-n0_y, n0_x), -.
-    // With q = across / (1 + along): |b| / |b0| = (1 + along) sqrt(1 + q^2), cosine = 1 / sqrt(1 + q^2), angle = atan q.
+    // With q = across / (1 + along): |b| / |b0| = (1 + along) sqrt(1 + q^2), angle = atan q.
     TALIK_HOST_DEVICE BranchMotion(Real length, Real along, Real across) {
-        const Real q = across * reciprocal_of_one_plus(along), u = q * q;
+        const Real reciprocal = reciprocal_of_one_plus(along), q = across * reciprocal, u = q * q;
         Real root, inverse_root, arcus; // sqrt(1 + u) - 1, 1 / sqrt(1 + u) - 1, atan(q) / q - 1
         if constexpr (is_single<Real>) {
             root = u * (Real(1.0 / 2) - u * Real(1.0 / 8));
             inverse_root = u * (Real(-1.0 / 2) + u * Real(3.0 / 8));
             arcus = u * (Real(-1.0 / 3) + u * Real(1.0 / 5));
         } else {
-            root = u * (Real(1.0 / 2) + u * (Real(-1.0 / 8) + u * Real(1.0 / 16)));
             inverse_root = u * (Real(-1.0 / 2) + u * (Real(3.0 / 8) + u * Real(-5.0 / 16)));
+            root = u + (inverse_root + u * inverse_root); // (1 + u) / sqrt(1 + u) - 1
             arcus = u * (Real(-1.0 / 3) + u * (Real(1.0 / 5) + u * Real(-1.0 / 7)));
         }
         length_change = length * (along + (root + along * root));
-        cosine = Real(1) + inverse_root;
-        sine = q + q * inverse_root;
+        inverse_stretch = reciprocal + reciprocal * inverse_root;
         angle = q + q * arcus;
     }
 };

@@ -201,7 +201,7 @@ void close_contacts(const ChunkMotion& cell, const SlotLayout& layout, const Con
         }
         answer.bonds += bonded;
         if (!loaded) continue;
-        const double mx = nx * branch.cosine - ny * branch.sine, my = ny * branch.cosine + nx * branch.sine;
+        const double mx = (nx + gx) * branch.inverse_stretch, my = (ny + gy) * branch.inverse_stretch;
         const double length = static_cast<double>(length0) + branch.length_change, bx = length * mx, by = length * my;
         virial.add_contact(fn * mx - ft * my, fn * my + ft * mx, bx, by);
         fabric[0] += bx * bx, fabric[1] += by * by, fabric[2] += bx * by;

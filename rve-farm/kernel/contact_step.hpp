@@ -106,8 +106,8 @@ TALIK_HOST_DEVICE ContactAction<Real> contact_step(const Physics& physics, const
     memory.tangential_change = carried + (force.tangential - trial.tangential);
 
     ContactAction<Real> action;
-    action.normal_x = nx * branch.cosine - ny * branch.sine;
-    action.normal_y = ny * branch.cosine + nx * branch.sine;
+    action.normal_x = (nx + gx) * branch.inverse_stretch; // n = (b / |b0|) / (|b| / |b0|)
+    action.normal_y = (ny + gy) * branch.inverse_stretch;
     action.length = start.length + branch.length_change;
     action.overlap = overlap;
     action.tangential = force.tangential;

@@ -28,6 +28,15 @@ struct RowPack {
         for (int k = 0; k < lanes; ++k) buffer[k] = row[(p * lanes + k) % 4];
         return Pack<T>::load(buffer);
     }
+    // Of the lanes of x and y of all rows.
+    static double largest_in_the_plane(Pack<T> v) {
+        alignas(64) T number[lanes];
+        v.store(number);
+        double largest = 0;
+        for (int k = 0; k < lanes; ++k)
+            if (k % 4 < 2 && static_cast<double>(number[k]) > largest) largest = static_cast<double>(number[k]);
+        return largest;
+    }
     // x and y of each row change places; so do the other two.
     static HWY_INLINE Pack<T> swapped(Pack<T> v) {
         if constexpr (sizeof(T) == 4) return hn::Shuffle2301(v.v[0]);
@@ -61,7 +70,7 @@ struct DiscConstants {
 // Running over the discs.
 template <class T>
 struct DiscSweep {
-    Pack<T> largest_squared;                    // of the displacements, m^2
+    Pack<T> largest_squared;                    // of the displacements, m^2; only the first two lanes of a row count
     Pack<T> damping, fluctuation, power, cross; // for the ledger
 };
 
@@ -101,8 +110,8 @@ HWY_INLINE DiscSweep<T> move_run(const Physics& physics, const DiscConstants<T> 
             next.store(velocities + k);
             const P moved = u + (stretched(c.own[p], c.shear[p], u, Rows::swapped(u)) + c.dt * next); // w <- U w + dt v_f
             moved.store(displacements + k);
-            const P squared = c.planar[p] * (moved * moved);
-            sweep.largest_squared = larger(squared + Rows::swapped(squared), sweep.largest_squared);
+            const P squared = moved * moved; // |w|^2 in the first two lanes of a row
+            if (p == 0) sweep.largest_squared = larger(squared + Rows::swapped(squared), sweep.largest_squared);
         }
     return sweep;
 }
@@ -122,6 +131,7 @@ HWY_INLINE void move_discs(const Physics& physics, const SlotLayout& layout, con
         case 2: sweep = move_run<2, ledger>(physics, c, run, incoming, w, sweep); break;
         case 3: sweep = move_run<3, ledger>(physics, c, run, incoming, w, sweep); break;
         case 4: sweep = move_run<4, ledger>(physics, c, run, incoming, w, sweep); break;
+        case 5: sweep = move_run<5, ledger>(physics, c, run, incoming, w, sweep); break;
         default: sweep = move_run<-1, ledger>(physics, c, run, incoming, w, sweep);
         }
         incoming += run.degree * run.sets * layout.shape.rows_of_a_vector;
@@ -265,7 +275,7 @@ ChunkOutcome run_lanes(const Physics& physics, const ContactLaw<double>& law, co
         stretch.turn_with_the_frame();
     }
     outcome.stretch = stretch;
-    const double largest = largest_squared.largest();
+    const double largest = RowPack<T>::largest_in_the_plane(largest_squared);
     finish(request, clock, cell, law, layout, w, s, booked, std::sqrt(largest), true, outcome);
     return outcome;
 }

@@ -109,6 +109,32 @@ HWY_INLINE hn::Vec<D> load_units(D d, const hn::TFromD<D>* rows, const std::int3
     }
 }
 
+// Blocks of two doubles of two vectors a, b of this level.
+#if HWY_TARGET == HWY_AVX3
+template <class V>
+HWY_INLINE V even_blocks(V a, V b) { return V{_mm512_shuffle_f64x2(a.raw, b.raw, 0x88)}; } // a0 a2 b0 b2
+template <class V>
+HWY_INLINE V odd_blocks(V a, V b) { return V{_mm512_shuffle_f64x2(a.raw, b.raw, 0xDD)}; } // a1 a3 b1 b3
+template <class V>
+HWY_INLINE V first_pairs_of_blocks(V a, V b) { return V{_mm512_permutex2var_pd(a.raw, _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11), b.raw)}; } // a0 b0 a1 b1
+template <class V>
+HWY_INLINE V last_pairs_of_blocks(V a, V b) { return V{_mm512_permutex2var_pd(a.raw, _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15), b.raw)}; } // a2 b2 a3 b3
+#elif HWY_TARGET == HWY_AVX2
+template <class V>
+HWY_INLINE V even_blocks(V a, V b) { return hn::ConcatLowerLower(hn::DFromV<V>(), b, a); } // a0 b0
+template <class V>
+HWY_INLINE V odd_blocks(V a, V b) { return hn::ConcatUpperUpper(hn::DFromV<V>(), b, a); } // a1 b1
+template <class V>
+HWY_INLINE V first_pairs_of_blocks(V a, V b) { return even_blocks(a, b); }
+template <class V>
+HWY_INLINE V last_pairs_of_blocks(V a, V b) { return odd_blocks(a, b); }
+#else // one block to a vector: named below, never called
+template <class V> V even_blocks(V, V);
+template <class V> V odd_blocks(V, V);
+template <class V> V first_pairs_of_blocks(V, V);
+template <class V> V last_pairs_of_blocks(V, V);
+#endif
+
 // Three columns of the rows of four at rows + index[lane], for one vector of lanes. (A gather by hand: loads of rows and
 // in-block transposes; the hardware's gathers are slower on the machines measured.)
 template <class V>
@@ -128,14 +154,15 @@ template <class V>
 HWY_INLINE void gather_vector(const double* rows, const std::int32_t* index, V& x, V& y, V& z) {
     const hn::ScalableTag<double> d;
     if constexpr (hn::MaxLanes(hn::ScalableTag<double>()) >= 4) {
-        // Rows k and k + 4 side by side (or row k alone): blocks x_k y_k | z_k 0.
-        const auto r0 = load_units<4, 4>(d, rows, index), r1 = load_units<4, 4>(d, rows, index + 1);
-        const auto r2 = load_units<4, 4>(d, rows, index + 2), r3 = load_units<4, 4>(d, rows, index + 3);
-        const auto xz01 = hn::InterleaveLower(d, r0, r1), xz23 = hn::InterleaveLower(d, r2, r3); // x0 x1 | z0 z1
+        // Rows k and k + 2 side by side (or row k alone): blocks x_k y_k | z_k 0.
+        constexpr int other = hn::MaxLanes(hn::ScalableTag<double>()) == 8 ? 4 : 2;
+        const auto r0 = load_units<4, 2>(d, rows, index), r1 = load_units<4, 2>(d, rows, index + 1);
+        const auto r2 = load_units<4, 2>(d, rows, index + other), r3 = load_units<4, 2>(d, rows, index + other + 1);
+        const auto xz01 = hn::InterleaveLower(d, r0, r1), xz23 = hn::InterleaveLower(d, r2, r3); // x0 x1 | z0 z1 | x2 x3 | z2 z3
         const auto y01 = hn::InterleaveUpper(d, r0, r1), y23 = hn::InterleaveUpper(d, r2, r3);
-        x = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(xz23), xz01);
-        y = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(y23), y01);
-        z = hn::OddEvenBlocks(xz23, hn::SwapAdjacentBlocks(xz01));
+        x = even_blocks(xz01, xz23);
+        y = even_blocks(y01, y23);
+        z = odd_blocks(xz01, xz23);
     } else {
         const auto xy0 = load_units<2, 2>(d, rows, index), xy1 = load_units<2, 2>(d, rows, index + 1);
         const auto z0 = load_units<2, 2>(d, rows + 2, index), z1 = load_units<2, 2>(d, rows + 2, index + 1);
@@ -167,10 +194,10 @@ HWY_INLINE void store_vector(V x, V y, V z, double* rows) {
     const auto xy0 = hn::InterleaveLower(d, x, y), xy1 = hn::InterleaveUpper(d, x, y); // blocks x0 y0 | x2 y2 | ...
     const auto z0 = hn::InterleaveLower(d, z, zero), z1 = hn::InterleaveUpper(d, z, zero);
     if constexpr (n >= 4) {
-        hn::Store(hn::OddEvenBlocks(hn::SwapAdjacentBlocks(z0), xy0), d, rows);
-        hn::Store(hn::OddEvenBlocks(z0, hn::SwapAdjacentBlocks(xy0)), d, rows + n);
-        hn::Store(hn::OddEvenBlocks(hn::SwapAdjacentBlocks(z1), xy1), d, rows + 2 * n);
-        hn::Store(hn::OddEvenBlocks(z1, hn::SwapAdjacentBlocks(xy1)), d, rows + 3 * n);
+        hn::Store(first_pairs_of_blocks(xy0, z0), d, rows);
+        hn::Store(last_pairs_of_blocks(xy0, z0), d, rows + n);
+        hn::Store(first_pairs_of_blocks(xy1, z1), d, rows + 2 * n);
+        hn::Store(last_pairs_of_blocks(xy1, z1), d, rows + 3 * n);
     } else {
         hn::Store(xy0, d, rows);
         hn::Store(z0, d, rows + n);

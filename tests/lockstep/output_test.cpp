@@ -1,42 +1,13 @@
 // What a run leaves: a summary that scripts can rely on, and a good checkpoint where the disk is full.
 #include "tests/lockstep/support.hpp"
+#include "tests/lockstep/tiny_disk.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/text.hpp"
 
-#include <sys/mount.h>
-
-#include <cerrno>
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 using namespace talik::lockstep;
 using Json = nlohmann::json;
-
-namespace {
-
-// A disk of its own, of a few pages: for root only.
-class TinyDisk {
-public:
-    TinyDisk(const fs::path& path, const std::string& size) : path_(path) {
-        fs::create_directories(path);
-        mounted_ = mount("talik-test", path.c_str(), "tmpfs", 0, ("size=" + size).c_str()) == 0;
-        why_ = std::strerror(errno);
-    }
-    ~TinyDisk() {
-        if (mounted_) umount2(path_.c_str(), MNT_DETACH);
-    }
-    TinyDisk(const TinyDisk&) = delete;
-    TinyDisk& operator=(const TinyDisk&) = delete;
-    bool mounted() const { return mounted_; }
-    const std::string& why() const { return why_; }
-
-private:
-    fs::path path_;
-    bool mounted_ = false;
-    std::string why_;
-};
-
-} // namespace
 
 TEST_CASE("summary.json holds every key that scripts rely on, and its numbers agree with the run", "[lockstep]") {
     TemporaryFolder folder;
@@ -45,7 +16,7 @@ TEST_CASE("summary.json holds every key that scripts rely on, and its numbers ag
     REQUIRE(run.end.code == 0);
     const Json summary = Json::parse(content(output / "summary.json"));
     for (const char* key : {"/scene", "/scene_hash", "/version", "/effects/on", "/effects/off", "/steps", "/time_end", "/rves", "/rve_evaluations/asked",
-                            "/rve_evaluations/done", "/rve_evaluations/avoided", "/wall_seconds/total", "/waiting_seconds/driver", "/waiting_seconds/farm",
+                            "/rve_evaluations/done", "/rve_evaluations/avoided", "/wall_seconds/total", "/waiting_seconds/driver", "/waiting_seconds/farm", "/lockstep_seconds/driver/computing", "/lockstep_seconds/farm/copying", "/bottleneck",
                             "/balance/mass", "/balance/momentum", "/balance/energy", "/balance/heat", "/warnings", "/exit"}) {
         CAPTURE(key);
         CHECK(summary.contains(Json::json_pointer(key)));

@@ -1,17 +1,13 @@
 // Faults of a scene in what stages, packings by depth and thaw ask for.
 #include "common/base/error.hpp"
-#include "common/io/text_file.hpp"
 #include "mpm-driver/app/scene_schema.hpp"
-#include "tests/support/catch.hpp"
-#include "tests/support/temporary_file.hpp"
+#include "tests/mpm-driver/app/scene_text.hpp"
 #include "tests/support/text.hpp"
 
 using namespace talik;
 using namespace talik::driver;
 
 namespace {
-
-const std::string path = test_file("coupling_scene_test.toml");
 
 const std::string sound = R"toml(
 [domain]
@@ -53,18 +49,9 @@ activates = ["bonds"]
 activates_in = ["ground"]
 )toml";
 
-std::string faults_of(const std::string& text) {
-    write_file_atomically(path, text);
-    std::string lines;
-    for (const auto& fault : check_scene(path)) lines += fault.text() + "\n";
-    return lines;
-}
-
-std::string broken(const std::string& from, const std::string& to) {
-    const auto at = sound.find(from);
-    REQUIRE(at != std::string::npos);
-    return faults_of(std::string(sound).replace(at, from.size(), to));
-}
+const tests::SceneText scene("coupling_scene_test.toml", sound);
+std::string faults_of(const std::string& text) { return scene.faults_of(text); }
+std::string broken(const std::string& from, const std::string& to) { return scene.broken(from, to); }
 
 } // namespace
 

@@ -1,15 +1,12 @@
 #include "mpm-driver/app/scene_schema.hpp"
 
-#include "common/io/text_file.hpp"
+#include "tests/mpm-driver/app/scene_text.hpp"
 #include "tests/support/text.hpp"
-#include "tests/support/temporary_file.hpp"
 
 using namespace talik;
 using namespace talik::driver;
 
 namespace {
-
-const std::string path = test_file("heat_scene_test.toml");
 
 const std::string sound = R"toml(
 [domain]
@@ -41,18 +38,9 @@ name = "thaw"
 duration = "20 d"
 )toml";
 
-std::string faults_of(const std::string& text) {
-    write_file_atomically(path, text);
-    std::string lines;
-    for (const auto& fault : check_scene(path)) lines += fault.text() + "\n";
-    return lines;
-}
-
-std::string broken(const std::string& from, const std::string& to) {
-    const auto at = sound.find(from);
-    REQUIRE(at != std::string::npos);
-    return faults_of(std::string(sound).replace(at, from.size(), to));
-}
+const tests::SceneText scene("heat_scene_test.toml", sound);
+std::string faults_of(const std::string& text) { return scene.faults_of(text); }
+std::string broken(const std::string& from, const std::string& to) { return scene.broken(from, to); }
 
 } // namespace
 
@@ -86,7 +74,7 @@ TEST_CASE("what is wrong with heat in a scene is said with its line, its key and
 }
 
 TEST_CASE("bodies of a mixture have its density where the scene gives none") {
-    write_file_atomically(path, sound);
-    CHECK(*read_scene(path).bodies[0].density == Approx(0.57 * 2650 + 430));
-    CHECK(*read_scene(path, {"body.0.density=1800"}).bodies[0].density == 1800.0);
+    REQUIRE(faults_of(sound) == ""); // which writes the file
+    CHECK(*read_scene(scene.path).bodies[0].density == Approx(0.57 * 2650 + 430));
+    CHECK(*read_scene(scene.path, {"body.0.density=1800"}).bodies[0].density == 1800.0);
 }

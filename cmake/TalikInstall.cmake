@@ -1,0 +1,35 @@
+# cmake --install: programs, the library of the C interface with its CMake package and pkg-config file, the Python module, the
+# cases. Everything is found relative to the programs, so that any prefix will do, and may be moved. cpack -G DEB: a package of it.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+install(TARGETS mpm-driver rve-farm RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(PROGRAMS tools/plot DESTINATION ${CMAKE_INSTALL_BINDIR} RENAME talik-plot)
+install(TARGETS talik_c EXPORT TalikTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(FILES exchange/c_api.h DESTINATION include/talik/exchange)
+install(FILES exchange/python/talik_exchange.py DESTINATION share/talik/python)
+install(DIRECTORY cases DESTINATION share/talik USE_SOURCE_PERMISSIONS PATTERN __pycache__ EXCLUDE)
+install(FILES README.md LICENSE CITATION.cff DESTINATION share/doc/talik)
+
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/Talik)
+install(EXPORT TalikTargets NAMESPACE Talik:: DESTINATION ${package_folder})
+configure_package_config_file(cmake/TalikConfig.cmake.in ${CMAKE_BINARY_DIR}/TalikConfig.cmake INSTALL_DESTINATION ${package_folder})
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/TalikConfigVersion.cmake COMPATIBILITY SameMajorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/TalikConfig.cmake ${CMAKE_BINARY_DIR}/TalikConfigVersion.cmake DESTINATION ${package_folder})
+configure_file(cmake/talik-exchange.pc.in ${CMAKE_BINARY_DIR}/talik-exchange.pc @ONLY)
+install(FILES ${CMAKE_BINARY_DIR}/talik-exchange.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME talik)
+set(CPACK_PACKAGE_CONTACT "the authors of Talik (CITATION.cff)")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "How granular ground freezes, thaws and fails: MPM with a DEM assembly in every point")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-numpy, python3-h5py, python3-matplotlib")
+find_program(TALIK_SHLIBDEPS dpkg-shlibdeps) # of dpkg-dev; without it the package names no libraries
+if(TALIK_SHLIBDEPS)
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+endif()
+include(CPack)
