@@ -191,16 +191,17 @@ void FarmLaw::check_status(std::uint32_t rve, double status) const {
 
 // Whoever answers may be another program: what is no number must not reach the grid.
 void FarmLaw::check_numbers(std::uint32_t rve, const double* answer) const {
+    const int used = answer_columns_.components() - static_cast<int>(reported_columns.size()); // a law may not know what is only reported
     double sum = 0.0;
-    for (std::size_t k = 0; k < row_.size(); ++k) sum += poison(answer[k]);
+    for (int k = 0; k < used; ++k) sum += poison(answer[k]);
     if (sum == 0.0) return;
-    for (const Column& column : answer_columns_.columns())
-        for (int c = 0; c < column.components; ++c) {
-            const double value = answer[answer_columns_.first_component(answer_columns_.index(column.name)) + c];
-            if (!std::isfinite(value))
-                fail(ExitCode::failed, fmt::format("the RVE of point {} answered a {} (component {}) of {} in step {} (after {:.6g} s)", point_of_rve_[rve], column.name, c, value, step_, time_),
+    for (int column = 0; column < answer_columns_.size(); ++column)
+        for (int k = answer_columns_.first_component(column), c = 0; c < answer_columns_.columns()[static_cast<std::size_t>(column)].components; ++k, ++c)
+            if (k < used && !std::isfinite(answer[k]))
+                fail(ExitCode::failed,
+                     fmt::format("the RVE of point {} answered a {} (component {}) of {} in step {} (after {:.6g} s)", point_of_rve_[rve],
+                                 answer_columns_.columns()[static_cast<std::size_t>(column)].name, c, answer[k], step_, time_),
                      "mend the program that answers; restart from the last checkpoint");
-        }
 }
 
 // Before the answer is taken: what has grown since the last one.

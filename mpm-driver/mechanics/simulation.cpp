@@ -120,7 +120,8 @@ void Simulation::check_step(double dt) {
     if (!scene_.step.fixed && limit.step < 0.5 * clock_.first_limit) note(Help::smaller_step, clock_.first_limit / limit.step, limit.point);
     if (!(dt <= limit.step))
         fail(code,
-             fmt::format("the step of {:.4g} s is beyond the largest stable one, {}", dt, describe(limit, grid_.cell())),
+             fmt::format("the step of {:.4g} s is beyond the largest stable one, {}{}", dt, describe(limit, grid_.cell()),
+                         steps_done() == 0 ? "" : fmt::format(", in step {} at t = {:.6g} s", steps_done() + 1, time())),
              fmt::format("use step = \"auto\", or at most {:.3g} s", 0.5 * std::min(limit.step, limit.surface_step)));
 }
 

@@ -34,14 +34,14 @@ const Kernel& kernel_of(const FarmOptions& options, const RveParameters& paramet
 
 Farm::Farm(const RveParameters& parameters, const std::vector<Packing>& packings, const std::vector<int>& packing_of_rve,
            FarmOptions options)
-    : options_(std::move(options)), stepper_{parameters, &kernel_of(options_, parameters), options_.ledger, options_.shuffle_seed, options_.smaller_sub_steps, options_.check_stability} {
+    : options_(std::move(options)), stepper_{parameters, &kernel_of(options_, parameters), options_.ledger, options_.shuffle_seed, options_.smaller_sub_steps} {
     check(parameters);
     if (options_.threads <= 0) options_.threads = omp_get_max_threads();
     if (options_.time_stages) stages_.resize(static_cast<std::size_t>(options_.threads));
     std::vector<Assembly> prototypes;
     for (const Packing& packing : packings) {
         prototypes.emplace_back(parameters, packing);
-        if (options_.check_stability) check_step(prototypes.back(), parameters, prototypes.size() - 1);
+        check_step(prototypes.back(), parameters, prototypes.size() - 1);
     }
     assemblies_.reserve(packing_of_rve.size());
     for (int packing : packing_of_rve) {

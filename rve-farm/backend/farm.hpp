@@ -26,7 +26,6 @@ struct FarmOptions {
     std::optional<Precision> precision;       // of the kernel; none = the parameters'
     bool ledger = true;                       // book work and dissipation: a twentieth of the time or so
     bool smaller_sub_steps = true;            // taken where contacts have grown too stiff for those asked for; else Status::unstable_step
-    bool check_stability = true;              // only tests and the measurement of its cost leave it out
     bool time_stages = false;                 // for Farm::stages
     // Tests: the plain kernel, every phase in an order scrambled by this seed (ShuffledTeam); must give the same bits.
     std::optional<std::uint64_t> shuffle_seed;

@@ -144,7 +144,7 @@ Answer advance(const Stepper& stepper, Assembly& rve, const MacroStep& step, Sta
     int substeps = substeps_needed(step);
     if (substeps < 0) return fault;
     const double shortening = shortening_by_damping(stepper.parameters.damping);
-    if (stepper.check_stability && !is_stable(s, law, shortening * step.time_increment / substeps)) { // contacts have closed since the step was chosen
+    if (!is_stable(s, law, shortening * step.time_increment / substeps)) { // contacts have closed since the step was chosen
         constexpr double safety = 0.9; // more may close within the step
         fault.status = Status::unstable_step;
         fault.largest_stable_step = stable_step(omega_squared_of_contacts(s, law)) / shortening;

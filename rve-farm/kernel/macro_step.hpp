@@ -27,7 +27,6 @@ struct Stepper {
     bool ledger = true;                         // book work and dissipation
     std::optional<std::uint64_t> shuffle_seed;  // tests: the plain kernel, its phases visited in scrambled order
     bool smaller_sub_steps = true;              // where contacts have grown too stiff for those asked for; else unstable_step
-    bool check_stability = true;                // only tests and the measurement of its cost leave it out
 
     LaneShape shape() const { return shuffle_seed ? LaneShape{} : kernel->shape; }
     ChunkOutcome run(const ChunkRequest& request, AssemblyView& s, const ColumnChoice& columns, const SlotLayout& layout) const;

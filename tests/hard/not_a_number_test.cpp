@@ -156,7 +156,7 @@ TEST_CASE("an answer that is no number stops the step with point and column name
     HardCase hard("NaN and infinity", "in an answer", "a law that is another program sends NaN: the grid takes it, and the next checkpoint keeps it");
     const lockstep::TemporaryFolder folder;
     const lockstep::Prepared prepared = lockstep::prepare(lockstep::write_tiny_scene(folder), folder / "cache");
-    const int components = 18; // of the agreed answer columns
+    const int components = 10; // stress, status, stiffness and energies; the others are only shown
     int missed = 0, checked = 0;
     for (int component = 0; component < components; ++component) {
         if (component == 3) continue; // the status: another number than 0 is a fault of its own
@@ -204,7 +204,7 @@ TEST_CASE("a checkpoint with a NaN is neither written nor read", "[hard][nan][mp
     Checkpoints checkpoints(folder.path());
     const auto good = checkpoints.write(*simulation);
     int missed = 0;
-    for (const char* name : {"points/stress", "points/enthalpy", "ledger/kinetic_energy", "clock"}) {
+    for (const char* name : {"points/stress", "points/enthalpy", "ledger/kinetic", "clock"}) {
         { // as a writer without the check would have left it
             Hdf5File file = Hdf5File::create((good / "driver.h5").string(), "mpm-driver", "talik-driver-checkpoint 2");
             file.set_attribute("/", "scene_hash", simulation->scene().hash);
@@ -212,7 +212,7 @@ TEST_CASE("a checkpoint with a NaN is neither written nor read", "[hard][nan][mp
             for (const StateColumn& column : simulation->state()) {
                 std::vector<double> values(column.data, column.data + column.size());
                 if (column.name == name) values.back() = std::nan("");
-                file.write("/" + column.name, values, column.components.size());
+                file.write("/" + column.name, std::span<const double>(values), column.components.size());
             }
             file.close();
             exchange::seal(good / "driver.h5");
