@@ -18,7 +18,7 @@ namespace {
 constexpr const char* memory_name = "talik-board";
 
 Board private_board;
-Board* board = &private_board;
+std::atomic<Board*> board{&private_board}; // a process may hold both sides, in two threads
 
 void put(char* to, std::size_t room, const std::string& text) { std::strncpy(to, text.c_str(), room - 1); }
 
@@ -55,6 +55,8 @@ double monotonic_seconds() { return std::chrono::duration<double>(std::chrono::s
 Board& run_board() { return *board; }
 
 void publish_run_board(Role role, const std::string& exchange, const std::string& title, const std::string& folder) {
+    static std::atomic<bool> published{false};
+    if (published.exchange(true)) return;
     const int file = memfd_create(memory_name, MFD_CLOEXEC);
     if (file < 0) return;
     void* memory = ftruncate(file, sizeof(Board)) == 0 && fchmod(file, 0600) == 0 ? mmap(nullptr, sizeof(Board), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0) : MAP_FAILED;
@@ -64,7 +66,7 @@ void publish_run_board(Role role, const std::string& exchange, const std::string
     }
     auto* shown = new (memory) Board; // stays open and mapped until the process ends
     shown->role = static_cast<std::uint64_t>(role);
-    shown->run_id = board->run_id;
+    shown->run_id = run_board().run_id.load();
     put(shown->exchange, sizeof shown->exchange, exchange);
     put(shown->title, sizeof shown->title, title);
     put(shown->folder, sizeof shown->folder, folder);

@@ -20,7 +20,8 @@ struct Board {
     static_assert(Count::is_always_lock_free && Number::is_always_lock_free);
 
     Count mark{0}; // written last
-    std::uint64_t role = 0, run_id = 0;
+    std::uint64_t role = 0;
+    Count run_id{0};
     char exchange[128] = {}, title[128] = {}, folder[256] = {}; // how a user names the run
     Number began{0.0}, updated{0.0};     // s of the machine's monotonic clock
     Count step{0};                       // that it is at
@@ -33,7 +34,7 @@ struct Board {
 
 // The board of this process. Before publish() it is private memory, so that counters may always be written.
 Board& run_board();
-// Shows it; at most once, by main programs. A machine that does not allow it runs on without.
+// Shows it, once: a second time it stays what it was. A machine that does not allow it runs on without.
 void publish_run_board(Role role, const std::string& exchange, const std::string& title = "", const std::string& folder = "");
 double monotonic_seconds();
 
