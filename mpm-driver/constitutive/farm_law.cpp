@@ -173,8 +173,8 @@ void FarmLaw::take(std::uint32_t rve, const double* answer, LawAnswer out) {
     out.p_wave_modulus[point] = answer[at_.stiffness];
     out.energy[point] = {scale * answer[at_.stored], scale * answer[at_.kinetic], scale * answer[at_.friction],
                          scale * answer[at_.damping], scale * answer[at_.bond]};
-    for (std::size_t i = 0; i < reported_columns.size(); ++i)
-        reported_[i][point] = answer[answer_columns_.first_component(answer_columns_.index(reported_columns[i].name))];
+    const double* reported = answer + answer_columns_.components() - reported_columns.size(); // the last that were asked for, a number each
+    for (std::size_t i = 0; i < reported_columns.size(); ++i) reported_[i][point] = reported[i];
 }
 
 void FarmLaw::check_status(std::uint32_t rve, double status) const {
@@ -206,7 +206,8 @@ void FarmLaw::check_numbers(std::uint32_t rve, const double* answer) const {
 
 // Before the answer is taken: what has grown since the last one.
 void FarmLaw::watch(std::uint32_t point, const double* answer) {
-    const auto now = [&](std::size_t column) { return answer[answer_columns_.first_component(answer_columns_.index(reported_columns[column].name))]; };
+    const double* reported = answer + answer_columns_.components() - reported_columns.size(); // the last that were asked for, a number each
+    const auto now = [&](std::size_t column) { return reported[column]; };
     const double splits = now(split_steps_column) - reported_[split_steps_column][point], retaken = now(retaken_chunks_column) - reported_[retaken_chunks_column][point];
     if (splits > 0.0) events_.push_back({Help::extra_sub_steps, point, splits});
     if (retaken > 0.0) events_.push_back({Help::retaken_chunks, point, retaken});
