@@ -44,6 +44,19 @@ if(NOT TALIK_CUDA STREQUAL "off")
   endif()
 endif()
 
+# Farms on other machines need MPI; without it that transport is left out, with one line saying so.
+set(TALIK_HAS_MPI OFF)
+if(NOT TALIK_MPI STREQUAL "off" AND NOT TALIK_SANITIZE_THREAD) # MPI's own threads are not instrumented
+  find_package(MPI QUIET COMPONENTS C)
+  set(TALIK_HAS_MPI ${MPI_C_FOUND})
+  if(NOT TALIK_HAS_MPI)
+    if(TALIK_MPI STREQUAL "on")
+      message(FATAL_ERROR "TALIK_MPI=on, but no MPI was found (apt-get install libopenmpi-dev openmpi-bin)")
+    endif()
+    message(STATUS "Talik: no MPI found: building without --exchange mpi (farms on other machines)")
+  endif()
+endif()
+
 if(TALIK_TESTS)
   find_package(Catch2 REQUIRED) # 2.13 on Debian 12, 3.4 on Ubuntu 24.04: tests/support/catch.hpp bridges the two
 endif()

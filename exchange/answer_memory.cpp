@@ -1,5 +1,6 @@
 #include "exchange/answer_memory.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <fmt/format.h>
 
@@ -81,6 +82,13 @@ void AnswerMemory::load(ByteReader& in) {
             "restart with the scene that the checkpoint is of");
     last_ = std::move(last);
     answers_ = std::move(answers);
+}
+
+void AnswerMemory::take(std::uint32_t id, const AnswerMemory& from, std::uint32_t id_there) {
+    ensure(components_ == from.components_ && id < last_.size() && id_there < from.last_.size());
+    last_[id] = from.last_[id_there];
+    const auto row = [this](std::uint32_t of) { return static_cast<std::ptrdiff_t>(of) * components_; };
+    std::copy_n(from.answers_.begin() + row(id_there), components_, answers_.begin() + row(id));
 }
 
 } // namespace talik::exchange

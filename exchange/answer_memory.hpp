@@ -27,6 +27,8 @@ public:
     // In checkpoints.
     void save(ByteWriter& out) const;
     void load(ByteReader& in);
+    // One RVE's row from another memory, where it stood under another id.
+    void take(std::uint32_t id, const AnswerMemory& from, std::uint32_t id_there);
 
 private:
     struct Last {

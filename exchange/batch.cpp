@@ -1,5 +1,6 @@
 #include "exchange/batch.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <fmt/format.h>
 
@@ -53,6 +54,13 @@ std::span<double> Batch::component(int column, int component_of_column) {
 }
 std::span<const double> Batch::component(int column, int component_of_column) const {
     return component(columns_.first_component(column) + component_of_column);
+}
+
+std::span<const std::byte> Batch::rows() const { return std::span(frame_.payload).subspan(sizeof(BatchHeader)); }
+
+void Batch::set_rows(std::span<const std::byte> rows) {
+    ensure(rows.size() == frame_.payload.size() - sizeof(BatchHeader));
+    std::copy(rows.begin(), rows.end(), frame_.payload.begin() + sizeof(BatchHeader));
 }
 
 const Frame& Batch::frame(FrameType type, std::uint64_t layout_hash) {

@@ -43,6 +43,10 @@ public:
     std::span<double> component(int flat);
     std::span<const double> component(int flat) const;
 
+    // Everything behind the header, ids and columns, as bytes: for keeping a request and asking it again.
+    std::span<const std::byte> rows() const;
+    void set_rows(std::span<const std::byte> rows); // of a batch of the same columns and count
+
     // As a frame to send.
     const Frame& frame(FrameType type, std::uint64_t layout_hash);
     // Takes over the payload of a received frame (by swapping memory), after checking it against the columns.

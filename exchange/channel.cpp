@@ -1,5 +1,10 @@
 #include "exchange/channel.hpp"
 
+#include <algorithm>
+
+#include "common/base/interrupt.hpp"
+#include "common/base/stage_timer.hpp"
+
 namespace talik::exchange {
 
 void Channel::send(const Frame& frame) {
@@ -32,6 +37,38 @@ bool Channel::try_receive(Frame& frame) {
     receive(frame);
     return true;
 }
+
+void Channel::wait(const Ready& ready) {
+    if (ready()) return;
+    const StageTimer::Scope timing(waiting_seconds_);
+    if (spin(ready)) return;
+    Patience patience(role_, limits_);
+    while (!sleep_once(ready, Patience::look_interval, patience)) {}
+}
+
+bool Channel::sleep_once(const Ready& ready, std::chrono::milliseconds longest, Patience& patience) {
+    nap(ready, longest);
+    if (ready()) return true;
+    const PartnerView view = look();
+    if (ready()) return true; // what it sent before it ended counts
+    if (interrupted()) wish_to_end();
+    patience.judge(view);
+    return false;
+}
+
+bool Channel::await(std::chrono::milliseconds longest) {
+    const Ready ready = [this] { return available() > 0; };
+    if (!ready()) {
+        const StageTimer::Scope timing(waiting_seconds_);
+        const bool fresh = !awaiting_;
+        if (fresh) awaiting_.emplace(role_, limits_);
+        if (!(fresh && spin(ready)) && !sleep_once(ready, std::min(longest, Patience::look_interval), *awaiting_)) return false;
+    }
+    awaiting_.reset();
+    return true;
+}
+
+void Channel::look_after() { Patience(role_, limits_).judge(look()); }
 
 std::string Channel::fate() const {
     if (!fate_) return {};

@@ -24,6 +24,13 @@ public:
     void receive(Frame& frame);
     bool try_receive(Frame& frame); // false where no frame has come
 
+    // For who listens to several partners. await: sleeps at most one look's interval for something to receive, true once it
+    // has come; patient like receive() over as many calls as it takes. look_after: throws if the partner is gone, else returns.
+    bool await(std::chrono::milliseconds longest = Patience::look_interval);
+    void look_after();
+    // How many RVEs make a message worth sending: fewer would cost, more would spoil the pipeline.
+    virtual int rows_per_chunk() const { return 512; }
+
     // The work tells where it stands: this, not a heartbeat, is what keeps the partner patient.
     virtual void advance_progress(std::uint64_t done, std::uint64_t total) noexcept = 0;
     virtual PartnerProgress partner_progress() const = 0;
@@ -46,6 +53,14 @@ public:
 protected:
     Channel(Role role, const WaitLimits& limits) : role_(role), limits_(limits) {}
 
+    // True once what is waited for is there.
+    using Ready = std::function<bool()>;
+    void wait(const Ready& ready); // bounded and explained
+    // What a wait is made of. nap: one sleep of at most `longest`, shorter where ready() may have turned true.
+    virtual void nap(const Ready& ready, std::chrono::milliseconds longest) = 0;
+    virtual bool spin(const Ready&) { return false; } // a few microseconds, before the first nap
+    virtual PartnerView look() = 0;
+
     // The byte pipe below: write() and read() block until all is done; flush() makes what was written visible.
     virtual std::size_t room() const = 0;
     virtual std::size_t available() const = 0;
@@ -58,6 +73,8 @@ protected:
     double waiting_seconds_ = 0.0;
 
 private:
+    bool sleep_once(const Ready& ready, std::chrono::milliseconds longest, Patience& patience);
+    std::optional<Patience> awaiting_; // of the await() under way
     Role role_;
     WaitLimits limits_;
     bool checksums_ = false;

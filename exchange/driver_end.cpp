@@ -9,7 +9,17 @@
 
 namespace talik::exchange {
 
-DriverEnd::DriverEnd(Channel& channel, int chunk_size) : channel_(channel), chunk_size_(chunk_size) { ensure(chunk_size > 0); }
+namespace {
+
+FrameType reply_to(FrameType question) {
+    if (question == FrameType::configure) return FrameType::ready;
+    return question == FrameType::bye ? FrameType::bye : FrameType::done;
+}
+
+} // namespace
+
+DriverEnd::DriverEnd(Channel& channel, int chunk_size)
+    : channel_(channel), chunk_size_(chunk_size > 0 ? chunk_size : channel.rows_per_chunk()) {}
 
 const Hello& DriverEnd::connect(const Hello& hello) {
     hello_ = hello;
@@ -29,7 +39,7 @@ const Hello& DriverEnd::connect(const Hello& hello) {
 }
 
 std::vector<std::byte> DriverEnd::configure(std::span<const std::byte> payload) {
-    return ask(FrameType::configure, {payload.begin(), payload.end()}, FrameType::ready);
+    return ask(FrameType::configure, {payload.begin(), payload.end()});
 }
 
 void DriverEnd::begin_step(const StepClock& clock, int count, Batch& answer) {
@@ -53,6 +63,13 @@ Batch& DriverEnd::next_chunk() {
 }
 
 void DriverEnd::send_chunk() {
+    while (!try_send_chunk()) {
+        channel_.receive(incoming_);
+        take_answer();
+    }
+}
+
+bool DriverEnd::try_send_chunk() {
     ensure(answer_ != nullptr && chunk_.header().step == step_.step && chunk_.header().chunk == step_.chunk);
     // The ids stand in the answer already while it is on its way, to be compared with those that come back.
     std::copy(chunk_.ids().begin(), chunk_.ids().end(), answer_->ids().begin() + sent_rows_);
@@ -60,26 +77,30 @@ void DriverEnd::send_chunk() {
     while (answered_chunks_ < static_cast<int>(step_.chunk) && channel_.try_receive(incoming_)) take_answer();
     // No room means that requests are waiting, or an answer for us to take: an answer will come. Only with nothing under
     // way may we block, in a frame larger than the ring: then the farm does nothing but read.
-    while (!channel_.try_send(frame)) {
-        if (answered_chunks_ == static_cast<int>(step_.chunk)) {
-            send(frame);
-            break;
-        }
-        channel_.receive(incoming_);
-        take_answer();
+    if (!channel_.try_send(frame)) {
+        if (answered_chunks_ < static_cast<int>(step_.chunk)) return false;
+        send(frame);
     }
     sent_rows_ += chunk_.count();
     ++step_.chunk;
     ++run_board().requests;
+    return true;
 }
 
 void DriverEnd::finish_step() {
-    ensure(answer_ != nullptr && sent_rows_ == step_count_);
-    while (answered_chunks_ < static_cast<int>(step_.chunk_count)) {
+    while (!try_finish_step()) {
         channel_.receive(incoming_);
         take_answer();
     }
+}
+
+bool DriverEnd::try_finish_step() {
+    ensure(answer_ != nullptr && sent_rows_ == step_count_);
+    const int chunks = static_cast<int>(step_.chunk_count);
+    while (answered_chunks_ < chunks && channel_.try_receive(incoming_)) take_answer();
+    if (answered_chunks_ < chunks) return false;
     answer_ = nullptr;
+    return true;
 }
 
 // Copies the rows of one answered chunk to their place.
@@ -125,34 +146,45 @@ void DriverEnd::step(const StepClock& clock, const Batch& request, Batch& answer
     finish_step();
 }
 
-std::vector<std::byte> DriverEnd::command(const std::string& name, std::span<const std::byte> payload) {
+std::vector<std::byte> encode_command(const std::string& name, std::span<const std::byte> payload) {
     ByteWriter out;
     out.text(name);
     out.array(payload);
-    return ask(FrameType::command, out.take(), FrameType::done);
+    return out.take();
 }
 
-void DriverEnd::checkpoint(const std::string& path) {
+std::vector<std::byte> encode_path(const std::string& path) {
     ByteWriter out;
     out.text(path);
-    ask(FrameType::checkpoint, out.take(), FrameType::done);
+    return out.take();
 }
 
-void DriverEnd::restore(const std::string& path) {
-    ByteWriter out;
-    out.text(path);
-    ask(FrameType::restore, out.take(), FrameType::done);
+std::vector<std::byte> DriverEnd::command(const std::string& name, std::span<const std::byte> payload) {
+    return ask(FrameType::command, encode_command(name, payload));
 }
 
-void DriverEnd::bye() { ask(FrameType::bye, {}, FrameType::bye); }
+void DriverEnd::checkpoint(const std::string& path) { ask(FrameType::checkpoint, encode_path(path)); }
+void DriverEnd::restore(const std::string& path) { ask(FrameType::restore, encode_path(path)); }
+void DriverEnd::bye() { ask(FrameType::bye); }
 
-std::vector<std::byte> DriverEnd::ask(FrameType type, std::vector<std::byte> payload, FrameType expected) {
+void DriverEnd::post(FrameType question, std::vector<std::byte> payload) {
     ensure(answer_ == nullptr);
-    outgoing_.type = type;
+    outgoing_.type = question;
     outgoing_.layout_hash = layout_hash_;
     outgoing_.payload = std::move(payload);
+    reply_due_ = reply_to(question);
     send(outgoing_);
-    receive(expected);
+}
+
+std::optional<std::vector<std::byte>> DriverEnd::try_reply() {
+    if (!channel_.try_receive(incoming_)) return std::nullopt;
+    check_received(reply_due_);
+    return incoming_.payload;
+}
+
+std::vector<std::byte> DriverEnd::ask(FrameType question, std::vector<std::byte> payload) {
+    post(question, std::move(payload));
+    receive(reply_due_);
     return incoming_.payload;
 }
 

@@ -7,6 +7,7 @@
 //     farm.configure(payload);
 //     farm.step(request, answer);            // or begin_step, next_chunk, send_chunk, ..., finish_step
 //     farm.bye();
+#include <optional>
 #include <string>
 
 #include "exchange/batch.hpp"
@@ -24,7 +25,7 @@ struct StepClock {
 
 class DriverEnd {
 public:
-    explicit DriverEnd(Channel& channel, int chunk_size = 512);
+    explicit DriverEnd(Channel& channel, int chunk_size = 0); // of RVEs; 0 = as suits the channel
 
     // Returns the farm's hello. Any mismatch is an error that names its fields.
     const Hello& connect(const Hello& hello);
@@ -44,11 +45,18 @@ public:
     Batch& next_chunk();
     void send_chunk();
     void finish_step();
+    // The same without blocking, for who has several farms. False: no room yet (an answer will come before there is), or
+    // answers still to come.
+    bool try_send_chunk();
+    bool try_finish_step();
 
     std::vector<std::byte> command(const std::string& name, std::span<const std::byte> payload = {});
     void checkpoint(const std::string& path);
     void restore(const std::string& path);
     void bye();
+    // Any of these questions in two halves: the reply is taken once it has come.
+    void post(FrameType question, std::vector<std::byte> payload = {});
+    std::optional<std::vector<std::byte>> try_reply();
 
     int chunk_size() const { return chunk_size_; }
     std::uint64_t layout_hash() const { return layout_hash_; }
@@ -58,7 +66,7 @@ private:
     void send(const Frame& frame);
     void receive(FrameType expected);
     void check_received(FrameType expected) const;
-    std::vector<std::byte> ask(FrameType type, std::vector<std::byte> payload, FrameType expected);
+    std::vector<std::byte> ask(FrameType question, std::vector<std::byte> payload = {});
     void take_answer();
 
     Channel& channel_;
@@ -72,6 +80,11 @@ private:
     Batch chunk_, chunk_answer_;
     Batch* answer_ = nullptr;
     Frame outgoing_, incoming_;
+    FrameType reply_due_ = FrameType::done;
 };
+
+// The payload of a command or of a path, as a farm reads it.
+std::vector<std::byte> encode_command(const std::string& name, std::span<const std::byte> payload);
+std::vector<std::byte> encode_path(const std::string& path);
 
 } // namespace talik::exchange

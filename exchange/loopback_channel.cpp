@@ -8,8 +8,6 @@
 #include <unistd.h>
 #include <vector>
 
-#include "common/base/stage_timer.hpp"
-
 namespace talik::exchange {
 namespace {
 
@@ -83,9 +81,9 @@ protected:
         return in().available();
     }
     void write(std::span<const std::byte> bytes) override {
-        std::unique_lock lock(shared_->mutex);
         while (!bytes.empty()) {
-            wait(lock, [&] { return out().room() > 0; });
+            wait([this] { return room() > 0; });
+            const std::lock_guard lock(shared_->mutex);
             const std::size_t n = std::min(bytes.size(), out().room());
             for (std::size_t i = 0; i < n; ++i) out().bytes[(out().written + i) % out().bytes.size()] = bytes[i];
             out().written += n;
@@ -95,9 +93,9 @@ protected:
     }
     void flush() override {}
     void read(std::span<std::byte> bytes) override {
-        std::unique_lock lock(shared_->mutex);
         while (!bytes.empty()) {
-            wait(lock, [&] { return in().available() > 0; });
+            wait([this] { return available() > 0; });
+            const std::lock_guard lock(shared_->mutex);
             const std::size_t n = std::min(bytes.size(), in().available());
             for (std::size_t i = 0; i < n; ++i) bytes[i] = in().bytes[(in().taken + i) % in().bytes.size()];
             in().taken += n;
@@ -105,22 +103,27 @@ protected:
             bytes = bytes.subspan(n);
         }
     }
+    void nap(const Ready& ready, std::chrono::milliseconds longest) override {
+        const std::uint64_t before = beats();
+        if (ready()) return;
+        std::unique_lock lock(shared_->mutex);
+        shared_->changed.wait_for(lock, longest, [&] { return partner().beats != before || partner().left; });
+    }
+    PartnerView look() override {
+        const std::lock_guard lock(shared_->mutex);
+        PartnerView view;
+        view.presence = partner().left ? PartnerView::Presence::left : PartnerView::Presence::attached;
+        view.movement = partner().beats;
+        view.progress = partner().progress;
+        view.cause = partner().cause;
+        view.pid = static_cast<int>(getpid());
+        return view;
+    }
 
 private:
-    template <class Ready>
-    void wait(std::unique_lock<std::mutex>& lock, Ready ready) {
-        if (ready()) return;
-        const StageTimer::Scope timing(waiting_seconds_);
-        Patience patience(role(), limits());
-        while (!shared_->changed.wait_for(lock, Patience::look_interval, ready)) {
-            PartnerView view;
-            view.presence = partner().left ? PartnerView::Presence::left : PartnerView::Presence::attached;
-            view.movement = partner().beats;
-            view.progress = partner().progress;
-            view.cause = partner().cause;
-            view.pid = static_cast<int>(getpid());
-            patience.judge(view);
-        }
+    std::uint64_t beats() const {
+        const std::lock_guard lock(shared_->mutex);
+        return partner().beats;
     }
     void moved() {
         ++own().beats;

@@ -22,7 +22,7 @@ constexpr double seconds_to_end = 5.0; // after SIGTERM, before SIGKILL
 [[noreturn]] void become(char* const* arguments, pid_t parent, int report, const sigset_t& held) {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() != parent) _exit(127); // it died before the line above
-    for (int signal : {SIGINT, SIGTERM, SIGHUP}) { // not the launcher's handlers; but what it ignores (nohup), both ignore
+    for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) { // not the launcher's handlers; but what it ignores (nohup), both ignore
         struct sigaction present {};
         sigaction(signal, nullptr, &present);
         if (present.sa_handler != SIG_IGN) std::signal(signal, SIG_DFL);
@@ -79,6 +79,12 @@ LaunchedProcess::~LaunchedProcess() {
     kill(pid_, SIGCONT); // a stopped process would not see the first
     if (wait(seconds_to_end)) return;
     kill(pid_, SIGKILL);
+    wait(seconds_to_end);
+}
+
+void LaunchedProcess::end_now() {
+    if (pid_ <= 0 || !running()) return;
+    kill(pid_, SIGKILL); // a stopped process, too
     wait(seconds_to_end);
 }
 

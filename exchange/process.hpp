@@ -25,6 +25,7 @@ public:
     // How it ended: "exited with code 4", "was killed by signal 9 (SIGKILL)"; empty while it runs.
     std::optional<std::string> fate();
     std::optional<int> exit_code(); // empty while it runs, and where a signal killed it
+    void end_now();                 // by force; returns once it has ended
     bool wait(double seconds);      // until it has ended; false where it still runs
 
 private:

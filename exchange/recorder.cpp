@@ -99,31 +99,35 @@ void Recorder::begin_step(const StepClock& clock) {
     std::fill(block.asked.begin(), block.asked.end(), std::uint8_t{0});
 }
 
-void Recorder::request(const Batch& chunk) {
+void Recorder::request(const Batch& chunk, std::span<const std::uint32_t> rves) {
     const StageTimer::Scope timing(seconds_);
     Block& block = ring_[next_fill_ % blocks];
-    const auto ids = chunk.ids();
-    for (const std::uint32_t id : ids) {
-        ensure(id < facts_.rves);
-        block.asked[id] = 1;
+    for (const std::uint32_t rve : rves) {
+        ensure(rve < facts_.rves);
+        block.step.asked += block.asked[rve] == 0; // a farm that takes over is asked again
+        block.asked[rve] = 1;
     }
-    block.step.asked += static_cast<std::int64_t>(ids.size());
     for (int c = 0; c < chunk.columns().components(); ++c) {
         const auto rows = chunk.component(c);
         double* out = &block.request[static_cast<std::size_t>(c) * facts_.rves];
-        for (std::size_t i = 0; i < ids.size(); ++i) out[ids[i]] = rows[i];
+        for (std::size_t i = 0; i < rves.size(); ++i) out[rves[i]] = rows[i];
     }
 }
 
-void Recorder::end_step(const Batch& answer) {
+void Recorder::answer(const Batch& answer, std::span<const std::uint32_t> rve_of_id) {
     const StageTimer::Scope timing(seconds_);
     Block& block = ring_[next_fill_ % blocks];
     const auto ids = answer.ids();
     for (int c = 0; c < answer.columns().components(); ++c) {
         const auto rows = answer.component(c);
         double* out = &block.answer[static_cast<std::size_t>(c) * facts_.rves];
-        for (std::size_t i = 0; i < ids.size(); ++i) out[ids[i]] = rows[i];
+        for (std::size_t i = 0; i < ids.size(); ++i) out[rve_of_id[ids[i]]] = rows[i];
     }
+}
+
+void Recorder::end_step() {
+    const StageTimer::Scope timing(seconds_);
+    Block& block = ring_[next_fill_ % blocks];
     if (block.step.asked < static_cast<std::int64_t>(facts_.rves)) {
         constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
         for (auto* values : {&block.request, &block.answer})

@@ -3,7 +3,7 @@
 // a few steps behind at most; the file itself is written by the thread that calls, at later steps (HDF5 is used by one thread).
 //
 //     Recorder recorder("record.h5", facts);
-//     recorder.begin_step(clock); recorder.request(chunk); ...; recorder.end_step(answer);
+//     recorder.begin_step(clock); recorder.request(chunk, rves); ...; recorder.answer(answer, rves); recorder.end_step();
 //     recorder.close();
 #include <array>
 #include <condition_variable>
@@ -28,8 +28,10 @@ public:
     void go_on() { goes_on_ = true; }
 
     void begin_step(const StepClock& clock);
-    void request(const Batch& chunk); // any number of them, until all rows of the step were given
-    void end_step(const Batch& answer);
+    // Any number of each: rows of a request, whose RVEs are `rves`; rows of answers, whose ids stand for RVEs of the run.
+    void request(const Batch& chunk, std::span<const std::uint32_t> rves);
+    void answer(const Batch& answer, std::span<const std::uint32_t> rve_of_id);
+    void end_step();
     void command(const std::string& name, std::span<const std::byte> payload, std::span<const std::byte> reply);
     void close(); // everything is on disk
 

@@ -5,8 +5,6 @@
 #include <cstring>
 
 #include "common/base/error.hpp"
-#include "common/base/interrupt.hpp"
-#include "common/base/stage_timer.hpp"
 #include "exchange/futex.hpp"
 #include "exchange/shm_segment.hpp"
 
@@ -87,31 +85,17 @@ protected:
         }
     }
 
-private:
     // No wake-up is lost: this side stores `sleeping` and then looks once more; the partner stores its counter and then
     // looks at `sleeping`. In the one order of sequentially consistent operations, one of the two sees the other; and the
     // doorbell, rung between our reading it and falling asleep, keeps us awake.
-    template <class Ready>
-    void wait(Ready ready) {
-        if (ready()) return;
-        const StageTimer::Scope timing(waiting_seconds_);
-        if (spin(ready)) return;
-        Patience patience(role(), limits());
-        for (;;) {
-            own().sleeping = 1;
-            const std::uint32_t ticket = own().doorbell;
-            if (!ready()) futex_wait(own().doorbell, ticket, Patience::look_interval);
-            own().sleeping = 0;
-            if (ready()) return;
-            const PartnerView view = look();
-            if (ready()) return; // what it sent before it ended counts
-            if (interrupted()) wish_to_end();
-            patience.judge(view);
-        }
+    void nap(const Ready& ready, std::chrono::milliseconds longest) override {
+        own().sleeping = 1;
+        const std::uint32_t ticket = own().doorbell;
+        if (!ready()) futex_wait(own().doorbell, ticket, longest);
+        own().sleeping = 0;
     }
 
-    template <class Ready>
-    static bool spin(Ready ready) {
+    bool spin(const Ready& ready) override {
         const auto end = std::chrono::steady_clock::now() + spin_time;
         do {
             for (int i = 0; i < 16; ++i) cpu_pause();
@@ -120,12 +104,7 @@ private:
         return false;
     }
 
-    void wake_partner() noexcept {
-        partner().doorbell.fetch_add(1);
-        futex_wake(partner().doorbell);
-    }
-
-    PartnerView look() {
+    PartnerView look() override {
         const shm::Side& side = partner();
         PartnerView view;
         const shm::Presence presence = side.presence;
@@ -144,6 +123,12 @@ private:
         view.progress = partner_progress();
         if (side.cause_state == 2) view.cause = std::string(side.cause);
         return view;
+    }
+
+private:
+    void wake_partner() noexcept {
+        partner().doorbell.fetch_add(1);
+        futex_wake(partner().doorbell);
     }
 
     void meet_partner() {

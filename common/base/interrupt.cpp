@@ -39,14 +39,14 @@ void watch_interrupts() {
     action.sa_handler = on_signal;
     action.sa_flags = SA_RESTART; // files being written are not cut short; waits wake by themselves
     sigemptyset(&action.sa_mask);
-    for (int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) {
         struct sigaction present {};
         sigaction(signal, nullptr, &present);
         if (present.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr); // nohup stays nohup
     }
     sigset_t held;
     sigemptyset(&held);
-    for (int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&held, signal);
+    for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) sigaddset(&held, signal);
     sigprocmask(SIG_UNBLOCK, &held, nullptr);
 }
 
@@ -64,6 +64,7 @@ const char* interrupt_name() noexcept {
     case SIGINT: return "SIGINT";
     case SIGTERM: return "SIGTERM";
     case SIGHUP: return "SIGHUP";
+    case SIGUSR1: return "SIGUSR1";
     default: return "a signal";
     }
 }

@@ -4,7 +4,7 @@
 
 namespace talik {
 
-// Installs the handlers of SIGINT, SIGTERM and SIGHUP, and lets through what a launcher held back until then (blocked: see
+// Installs the handlers of SIGINT, SIGTERM, SIGHUP and SIGUSR1 (what batch systems and mpirun pass on before they kill), and lets through what a launcher held back until then (blocked: see
 // exchange/process.hpp); called once by main().
 void watch_interrupts();
 

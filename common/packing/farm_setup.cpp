@@ -8,7 +8,7 @@
 namespace talik {
 namespace {
 
-constexpr std::uint32_t setup_version = 3;
+constexpr std::uint32_t setup_version = 4;
 
 void put_parameters(ByteWriter& out, const RveParameters& p) {
     out.put(p.contact.normal_stiffness);
@@ -112,6 +112,7 @@ void check(const FarmSetup& setup) {
             sound(c.first >= 0 && c.second >= 0 && static_cast<std::size_t>(std::max(c.first, c.second)) < discs,
                   "a contact names a disc that is not there");
     }
+    sound(setup.ids.empty() || setup.ids.size() == setup.packing_of_rve.size(), "not every RVE has an id");
     for (int index : setup.packing_of_rve)
         sound(index >= 0 && static_cast<std::size_t>(index) < setup.packings.size(), "an RVE names a packing that is not there");
 }
@@ -125,6 +126,7 @@ std::vector<std::byte> encode(const FarmSetup& setup) {
     out.put(static_cast<std::uint32_t>(setup.packings.size()));
     for (const Packing& packing : setup.packings) put_packing(out, packing);
     out.array(setup.packing_of_rve);
+    out.array(setup.ids);
     return out.take();
 }
 
@@ -136,6 +138,7 @@ FarmSetup decode_farm_setup(std::span<const std::byte> bytes) {
     const auto packings = in.get<std::uint32_t>();
     for (std::uint32_t i = 0; i < packings; ++i) setup.packings.push_back(get_packing(in));
     setup.packing_of_rve = in.array<int>();
+    setup.ids = in.array<std::uint32_t>();
     in.finish();
     check(setup);
     return setup;

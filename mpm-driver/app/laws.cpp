@@ -10,6 +10,7 @@
 #include "common/base/version.hpp"
 #include "exchange/record_file.hpp"
 #include "mpm-driver/app/packings.hpp"
+#include "mpm-driver/app/scene_schema.hpp"
 #include "mpm-driver/constitutive/elastic.hpp"
 #include "mpm-driver/points/overburden.hpp"
 
@@ -34,6 +35,17 @@ std::vector<std::string> packing_warnings(const Scene& scene, const std::vector<
 
 namespace {
 
+exchange::FarmGroup group_of(FarmPartner& partner, const ExchangeSpec& spec, const std::filesystem::path& output) {
+    exchange::FarmGroup farms(partner.channels());
+    if (spec.replace_farm == 0) return farms;
+    if (!partner.may_be_replaced()) {
+        log::warn("exchange.replace_farm is of no use in an MPI job, which ends with any of its processes: start it with tools/run-mpi, which restarts it");
+        return farms;
+    }
+    farms.replace_lost_farms({spec.replace_farm, [&partner](int farm) -> exchange::Channel& { return partner.another(farm); }, output / "recovery", spec.replace_interval});
+    return farms;
+}
+
 std::vector<std::string> replay_arguments(const RunOptions& options) {
     std::vector<std::string> arguments;
     if (options.replay.empty()) return arguments;
@@ -50,13 +62,14 @@ void check_recording(const Scene& scene, const RunOptions& options) {
     std::error_code none;
     require(options.record.empty() || options.replay.empty() || !std::filesystem::equivalent(options.record, options.replay, none), "--record would overwrite the recording that --replay reads",
             "name another file");
+    require(options.replay.empty() || options.farms <= 1, "--replay and --farms are both given", "leave --farms out: one recording answers for all");
     require(!options.replay.empty() || !(options.loose || options.tolerance), "--loose and --tolerance are for --replay", "give --replay FILE as well, or leave them out");
     require(scene.rve.has_value() || (options.record.empty() && options.replay.empty()), "the scene has no RVEs: there is nothing to record or replay", "leave --record and --replay out");
 }
 
 } // namespace
 
-SceneLaws make_laws(Scene& scene, const RunOptions& options) {
+SceneLaws make_laws(Scene& scene, const RunOptions& options, const std::filesystem::path& output) {
     check_recording(scene, options);
     SceneLaws out;
     if (scene.elastic) out.laws_["elastic"] = std::make_unique<ElasticLaw>(*scene.elastic);
@@ -70,12 +83,13 @@ SceneLaws make_laws(Scene& scene, const RunOptions& options) {
         out.warnings_ = packing_warnings(scene, setup.packings);
         for (const Packing& p : setup.packings) out.packings_.push_back({p.seed, p.void_ratio(), p.pressure, p.vertical_stress, p.lateral_stress});
         for (const std::string& warning : out.warnings_) log::warn("{}", warning);
-        out.partner_ = std::make_unique<FarmPartner>(PartnerOptions{options.exchange, options.backend, replay_arguments(options), options.threads, options.stall_seconds, options.attach_seconds, options.quiet});
+        out.partner_ = std::make_unique<FarmPartner>(
+            PartnerOptions{options.exchange, options.backend, replay_arguments(options), options.farms, options.threads, options.stall_seconds, options.attach_seconds, options.quiet});
         exchange::Hello hello;
         hello.program = "mpm-driver " + version();
         hello.run_id = out.partner_->run_id();
         hello.scene_hash = scene.hash;
-        auto law = std::make_unique<FarmLaw>(out.partner_->channel(), hello, std::move(setup), scene.seed);
+        auto law = std::make_unique<FarmLaw>(group_of(*out.partner_, read_exchange(options.scene, options.set), output), hello, std::move(setup), scene.seed);
         law->start_at_depth(Overburden(scene));
         law->record(options.record);
         out.farm_ = law.get();
@@ -99,7 +113,11 @@ RunFacts SceneLaws::facts() const {
     if (facts.rves_without_contacts > 0)
         facts.warnings.push_back(fmt::format("{} of {} RVEs carry no contact force at the end: opened by tension, or by stresses that ring inside a cell (docs/method.md, limits)",
                                              facts.rves_without_contacts, facts.rves));
-    facts.waiting_driver = partner_->channel().waiting_seconds();
+    facts.waiting_driver = farm_->farms().waiting_seconds();
+    facts.farms = farm_->farms().farms();
+    facts.farms_replaced = farm_->farms().replaced();
+    facts.seconds_lost = farm_->farms().seconds_lost();
+    facts.rves_moved = farm_->farms().moves();
     if (farm_times_) facts.waiting_farm = farm_times_->waiting;
     facts.farm_times = farm_times_;
     facts.driver_times = {0.0, farm_->copying_seconds(), farm_->waiting_seconds()}; // computing: the rest, once all is known

@@ -13,6 +13,7 @@
 #include "common/base/program.hpp"
 #include "common/base/version.hpp"
 #include "common/scene/units.hpp"
+#include "exchange/mpi_channel.hpp"
 #include "mpm-driver/app/explain.hpp"
 #include "mpm-driver/app/run.hpp"
 #include "mpm-driver/app/scene_schema.hpp"
@@ -54,10 +55,13 @@ int main(int argc, char** argv) {
                         "  mpm-driver run scene.toml --set stage.0.duration=\"0.2 s\" --set rve.contact.friction=0.3\n"
                         "  mpm-driver run scene.toml --output out/a --restart out/a/checkpoint-000001200\n"
                         "  mpm-driver run scene.toml --record record.h5        (then, without any DEM: --replay record.h5)\n"
-                        "  mpm-driver run scene.toml --exchange shm:slope      (and: rve-farm serve --exchange shm:slope)");
+                        "  mpm-driver run scene.toml --exchange shm:slope      (and: rve-farm serve --exchange shm:slope)\n"
+                        "  mpm-driver run scene.toml --exchange file:/shared/slope      (and there: tail -f /shared/slope/driver.log)\n"
+                        "  mpirun -n 1 mpm-driver run scene.toml --exchange mpi : -n 4 rve-farm serve --exchange mpi");
     run_command->add_option("scene", options.scene, "SCENE.toml")->required();
     run_command->add_option("--output", options.output, "folder for everything the run leaves (default: out/<scene>)")->check(not_empty());
-    run_command->add_option("--exchange", options.exchange, "shm:NAME: meet a farm there instead of launching one");
+    run_command->add_option("--exchange", options.exchange, "shm:NAME or file:FOLDER: meet a farm there instead of launching one; mpi: those of the MPI job");
+    run_command->add_option("--farms", options.farms, "that share the RVEs (default: one, or as many as the MPI job has); at NAME, NAME.1, ...")->check(CLI::Range(1, 4096));
     run_command->add_option("--restart", options.restart, "go on from this checkpoint")->check(not_empty());
     run_command->add_option("--record", options.record, "writes every request to the farm and every answer there (HDF5)")->check(not_empty());
     run_command->add_option("--replay", options.replay, "a recording answers instead of a farm, strictly: the run must be the recorded one")->check(not_empty());
@@ -95,7 +99,7 @@ int main(int argc, char** argv) {
     check_command->add_option("--set", set, "KEY=VALUE: overrides a key of the scene (repeatable)");
     check_command->callback([&] { exit = check(find_case(scene), set); });
 
-    return run_program([&] {
+    const int code = run_program([&] {
         try {
             app.parse(argc, argv);
         } catch (const CLI::ParseError& error) {
@@ -112,4 +116,6 @@ int main(int argc, char** argv) {
         }
         return exit;
     });
+    exchange::end_mpi(code == 0);
+    return code;
 }

@@ -13,7 +13,9 @@
 #include "common/base/progress.hpp"
 #include "common/base/version.hpp"
 #include "common/io/text_file.hpp"
+#include "exchange/mpi_channel.hpp"
 #include "exchange/run_board.hpp"
+#include "exchange/transport.hpp"
 #include "mpm-driver/app/farm_partner.hpp"
 #include "mpm-driver/app/laws.hpp"
 #include "mpm-driver/app/output_folder.hpp"
@@ -93,6 +95,7 @@ public:
             if (interrupted()) stop(fmt::format("stopped by {}", interrupt_name()));
             if (laws_.farm_wishes_to_end()) stop("stopped because the farm was asked to end");
             advance();
+            laws_.keep_up();
             show_standing(board, simulation_.time() / end);
             progress.update(simulation_.time() / end, fmt::format("t = {:.4g} s, step {}", simulation_.time(), simulation_.steps_done()));
         }
@@ -230,8 +233,12 @@ int run(const RunOptions& options) {
     Scene scene = read_scene(options.scene, options.set);
     const fs::path output = output_folder(options);
     const OutputLock lock(output);
+    if (exchange::is_mpi(options.exchange)) {
+        require(scene.rve.has_value(), "--exchange mpi: the scene has no RVEs for farms to answer", "run it without mpirun");
+        exchange::begin_mpi(exchange::Role::driver); // before packings are prepared: farms may wait in it
+    }
     exchange::publish_run_board(exchange::Role::driver, options.exchange, scene.title, fs::absolute(output).lexically_normal().string());
-    SceneLaws laws = make_laws(scene, options); // outlives the run, so that the farm is told what ended it
+    SceneLaws laws = make_laws(scene, options, output); // outlives the run, so that the farm is told what ended it
     return laws.with_cause([&] {
         Run run(options, output, scene, laws);
         run.announce();

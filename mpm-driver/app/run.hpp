@@ -19,6 +19,7 @@ struct RunOptions {
     std::optional<double> until;      // s
     std::vector<std::string> set;     // key=value
     int threads = 0;                  // of farm and driver; 0 = all
+    int farms = 0;                    // that share the RVEs; 0 = one, or as many as an MPI job has
     double stall_seconds = 120.0;     // for a farm that does not move
     double attach_seconds = 60.0;     // for a farm to come to the exchange
     bool quiet = false;

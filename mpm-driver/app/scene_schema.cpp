@@ -10,35 +10,41 @@ using namespace scene;
 
 namespace {
 
-const Table<Scene>& scene_table() {
-    static const Table<Scene> kept = [] {
-        Table<Scene> table("What the whole scene shares.");
+// The file holds the scene, and how its run is kept alive.
+struct SceneFile : Scene {
+    std::optional<ExchangeSpec> exchange;
+};
+
+const Table<SceneFile>& scene_table() {
+    static const Table<SceneFile> kept = [] {
+        Table<SceneFile> table("What the whole scene shares.");
         table.text("title", &Scene::title, "for plots and the summary")
-            .whole("seed", &Scene::seed, any(), "of the scene's random draws")
+            .whole<std::uint64_t>("seed", &Scene::seed, any(), "of the scene's random draws")
             .quantity("confining_pressure", &Scene::confining_pressure, Dimension::pressure, not_negative(), "on all free sides, compression positive; follows the material")
             .table<DomainSpec>("domain", &Scene::domain, domain_table())
-            .tables("body", &Scene::bodies, body_table(), required)
+            .tables<BodySpec>("body", &Scene::bodies, body_table(), required)
             .optional_table<ElasticSpec>("elastic", &Scene::elastic, elastic_table())
             .optional_table<RveSpec>("rve", &Scene::rve, rve_table())
             .optional_table<HeatSpec>("heat", &Scene::heat, heat_table())
             .optional_table<PhaseChangeStrainSpec>("phase_change_strain", &Scene::phase_change_strain, phase_change_strain_table())
-            .tables("wall", &Scene::walls, wall_table())
+            .tables<WallSpec>("wall", &Scene::walls, wall_table())
             .table<StepSpec>("step", &Scene::step, step_table())
-            .tables("stage", &Scene::stages, stage_table(), required)
+            .tables<StageSpec>("stage", &Scene::stages, stage_table(), required)
             .table<OutputSpec>("output", &Scene::output, output_table())
+            .optional_table<ExchangeSpec>("exchange", &SceneFile::exchange, exchange_table())
             .check(check_whole_scene);
         return table;
     }();
     return kept;
 }
 
-Scene read_with_faults(const std::string& file, const std::vector<std::string>& overrides, Faults& faults) {
+SceneFile read_with_faults(const std::string& file, const std::vector<std::string>& overrides, Faults& faults) {
     Value document = read_document(file);
     for (const auto& override : overrides) apply_override(document, override);
-    Scene scene;
+    SceneFile scene;
     scene_table().read(document, "", scene, faults);
     scene.file = file;
-    if (faults.empty()) scene.hash = fingerprint(scene_table().dump(scene)); // before paths are resolved: a moved scene stays the same
+    if (faults.empty()) scene.hash = fingerprint(scene_dump(scene)); // before paths are resolved: a moved scene stays the same
     if (scene.heat) resolve_heat_files(scene, document, faults);
     if (const Value* rve = document.find("rve"); rve && scene.rve) resolve_packing_files(scene.rve->packing, file, Place{*rve, "rve", faults});
     return scene;
@@ -57,6 +63,11 @@ Scene read_scene(const std::string& file, const std::vector<std::string>& overri
     Scene scene = read_with_faults(file, overrides, faults);
     throw_if_any(faults, "`mpm-driver check` lists them");
     return scene;
+}
+
+ExchangeSpec read_exchange(const std::string& file, const std::vector<std::string>& overrides) {
+    Faults faults;
+    return read_with_faults(file, overrides, faults).exchange.value_or(ExchangeSpec{});
 }
 
 std::vector<Fault> check_scene(const std::string& file, const std::vector<std::string>& overrides) {
@@ -81,6 +92,6 @@ std::string scene_markdown() {
                     scene_sections());
 }
 
-std::string scene_dump(const Scene& scene) { return scene_table().dump(scene); }
+std::string scene_dump(const Scene& scene) { return scene_table().dump(SceneFile{scene, {}}); }
 
 } // namespace talik::driver

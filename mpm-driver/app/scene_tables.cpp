@@ -157,4 +157,12 @@ Table<OutputSpec> output_table() {
     return table;
 }
 
+Table<ExchangeSpec> exchange_table() {
+    using E = ExchangeSpec;
+    Table<E> table("What is done about a farm that is lost. Changes no result, and may change at a restart.");
+    table.whole("replace_farm", &E::replace_farm, between(0, 1e6), "how many lost farms another one takes over from, to the same bits, before the run ends with exit code 3; 0 = at the first")
+        .quantity("replace_interval", &E::replace_interval, time, between(0.1, 1e6), "of wall time, between checkpoints of the farms alone: the work that a lost farm costs at most, with the start of another");
+    return table;
+}
+
 } // namespace talik::driver

@@ -1,6 +1,7 @@
 #pragma once
 // The tables of keys of a scene, one function for each struct of scene.hpp.
 #include "common/scene/schema.hpp"
+#include "mpm-driver/app/exchange_spec.hpp"
 #include "mpm-driver/app/scene.hpp"
 
 namespace talik::driver {
@@ -14,6 +15,7 @@ scene::Table<WallSpec> wall_table();
 scene::Table<StageSpec> stage_table();
 scene::Table<StepSpec> step_table();
 scene::Table<OutputSpec> output_table();
+scene::Table<ExchangeSpec> exchange_table();
 
 // Rules that look at more than one table.
 void check_whole_scene(const Scene& scene, const scene::Place& at);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <numeric>
 
 #include "common/base/error.hpp"
 #include "common/base/stage_timer.hpp"
@@ -42,8 +43,8 @@ int exchanged_components(bool ice) {
     return exchange::ColumnTable(asked_for()).components() + columns_of::displacement_gradient_increment.components + (ice ? columns_of::ice_saturation.components : 0);
 }
 
-FarmLaw::FarmLaw(exchange::Channel& channel, exchange::Hello hello, FarmSetup setup, std::uint64_t seed)
-    : farm_(channel), hello_(std::move(hello)), setup_(std::move(setup)), seed_(seed) {
+FarmLaw::FarmLaw(exchange::FarmGroup farms, exchange::Hello hello, FarmSetup setup, std::uint64_t seed)
+    : farms_(std::move(farms)), hello_(std::move(hello)), setup_(std::move(setup)), seed_(seed) {
     hello_.role = exchange::Role::driver;
     hello_.request_columns = {columns_of::displacement_gradient_increment};
     hello_.answer_columns = asked_for();
@@ -75,40 +76,57 @@ void FarmLaw::begin(std::span<const std::uint32_t> ids, const Points& points, La
 
     sends_ice_ = setup_.parameters.bond && !points.ice_saturation.empty();
     if (sends_ice_) hello_.request_columns.push_back(columns_of::ice_saturation);
-    farm_program_ = farm_.connect(hello_).program;
-    const std::vector<std::byte> setup = encode(setup_);
-    const auto said = farm_.configure(setup);
-    ByteReader in(said, "the answer to configure");
-    const auto values = in.array<double>();
-    require(values.size() == row_.size() * count, "the farm was set up with another number of RVEs", "use mpm-driver and rve-farm of one version");
-    for (std::uint32_t rve = 0; rve < count; ++rve) {
-        for (std::size_t component = 0; component < row_.size(); ++component) row_[component] = values[component * count + rve];
-        check_numbers(rve, row_.data());
-        take(rve, row_.data(), initial);
+    farm_program_ = farms_.connect(hello_).program;
+    const auto& said = farms_.configure(static_cast<int>(count), [this](std::span<const std::uint32_t> rves) { return setup_for(rves); });
+    std::vector<double> recorded(record_file_.empty() ? 0 : row_.size() * count); // [component][rve]
+    for (int farm = 0; farm < farms_.farms(); ++farm) {
+        const auto rves = farms_.rves(farm);
+        ByteReader in(said[static_cast<std::size_t>(farm)], "the answer to configure");
+        const auto values = in.array<double>();
+        require(values.size() == row_.size() * rves.size(), "the farm was set up with another number of RVEs", "use mpm-driver and rve-farm of one version");
+        for (std::size_t i = 0; i < rves.size(); ++i) {
+            for (std::size_t component = 0; component < row_.size(); ++component) row_[component] = values[component * rves.size() + i];
+            if (!record_file_.empty())
+                for (std::size_t component = 0; component < row_.size(); ++component) recorded[component * count + rves[i]] = row_[component];
+            check_numbers(rves[i], row_.data());
+            take(rves[i], row_.data(), initial);
+        }
     }
+    asked_rves_.reserve(count);
     events_.reserve(3 * static_cast<std::size_t>(count));
-    answer_ = farm_.make_answer(static_cast<int>(count));
-    if (!record_file_.empty()) start_recording(setup, values, count);
-    setup_.packings.clear(); // the farm has them now
+    if (!record_file_.empty()) start_recording(recorded);
 }
 
-void FarmLaw::start_recording(std::span<const std::byte> setup, std::span<const double> initial, std::size_t rves) {
-    recorder_ = std::make_unique<exchange::Recorder>(record_file_, exchange::RecordFacts{hello_.program, farm_program_, hello_.scene_hash, fmt::format("{:016x}", exchange::checksum(setup)),
-                                                                                         hello_.request_columns, hello_.answer_columns, rves, {initial.begin(), initial.end()}});
+// Packings stay here: another farm may need them, and so may an RVE that changes hands.
+std::vector<std::byte> FarmLaw::setup_for(std::span<const std::uint32_t> rves) const {
+    FarmSetup own;
+    own.parameters = setup_.parameters;
+    own.packings = setup_.packings;
+    own.ids.assign(rves.begin(), rves.end());
+    for (const std::uint32_t rve : rves) own.packing_of_rve.push_back(setup_.packing_of_rve[rve]);
+    return encode(own);
+}
+
+// What one farm would be told that has them all: a recording answers for any number of farms.
+void FarmLaw::start_recording(const std::vector<double>& initial) {
+    std::vector<std::uint32_t> all(point_of_rve_.size());
+    std::iota(all.begin(), all.end(), 0u);
+    recorder_ = std::make_unique<exchange::Recorder>(record_file_, exchange::RecordFacts{hello_.program, farm_program_, hello_.scene_hash, fmt::format("{:016x}", exchange::checksum(setup_for(all))),
+                                                                                         hello_.request_columns, hello_.answer_columns, all.size(), initial});
 }
 
 void FarmLaw::bye() {
     if (recorder_) recorder_->close();
-    farm_.bye();
+    farms_.bye();
 }
 
 // Of a scope: what of its time was waiting for the farm, and what was copying; recording has its own account.
 class FarmLaw::Timing {
 public:
-    explicit Timing(FarmLaw& law) : law_(law), waited_(law.farm_.channel().waiting_seconds()), recorded_(law.recording_seconds()), begin_(StageTimer::Clock::now()) {}
+    explicit Timing(FarmLaw& law) : law_(law), waited_(law.farms_.waiting_seconds()), recorded_(law.recording_seconds()), begin_(StageTimer::Clock::now()) {}
     ~Timing() {
         const double elapsed = std::chrono::duration<double>(StageTimer::Clock::now() - begin_).count();
-        const double waiting = law_.farm_.channel().waiting_seconds() - waited_;
+        const double waiting = law_.farms_.waiting_seconds() - waited_;
         law_.waiting_ += waiting;
         law_.copying_ += std::max(0.0, elapsed - waiting - (law_.recording_seconds() - recorded_));
     }
@@ -123,47 +141,54 @@ private:
 
 void FarmLaw::submit(const LawRequest& request, LawAnswer answer) {
     const Timing timing(*this);
+    request_ = request;
     out_ = answer;
     events_.clear();
     step_ = request.step;
     time_ += request.time_increment;
     latest_time_increment_ = request.time_increment;
+    asked_rves_.clear();
+    for (const std::uint32_t point : request.ids) asked_rves_.push_back(rve_of_point_[point]);
     const exchange::StepClock clock{request.step, request.time_increment, static_cast<std::uint32_t>(setup_.parameters.substeps)};
-    farm_.begin_step(clock, static_cast<int>(request.ids.size()), answer_);
     if (recorder_) recorder_->begin_step(clock);
-    for (std::size_t sent = 0; sent < request.ids.size();) {
-        exchange::Batch& chunk = farm_.next_chunk();
-        const auto rves = chunk.ids();
-        const std::array<std::span<double>, 4> gradient = {chunk.component(0), chunk.component(1), chunk.component(2), chunk.component(3)};
-        for (std::size_t row = 0; row < rves.size(); ++row) {
-            const std::uint32_t point = request.ids[sent + row];
-            const Matrix& increment = request.displacement_gradient_increment[point];
-            rves[row] = rve_of_point_[point];
-            gradient[0][row] = increment(0, 0);
-            gradient[1][row] = increment(0, 1);
-            gradient[2][row] = increment(1, 0);
-            gradient[3][row] = increment(1, 1);
-            if (sends_ice_) chunk.component(4)[row] = request.ice_saturation[point];
-        }
-        sent += rves.size();
-        if (recorder_) recorder_->request(chunk);
-        farm_.send_chunk();
+    farms_.begin_step(clock, asked_rves_, fill_);
+}
+
+void FarmLaw::fill(std::span<const std::uint32_t> rows, exchange::Batch& chunk) {
+    const std::array<std::span<double>, 4> gradient = {chunk.component(0), chunk.component(1), chunk.component(2), chunk.component(3)};
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const std::uint32_t point = request_.ids[rows[i]];
+        const Matrix& increment = request_.displacement_gradient_increment[point];
+        gradient[0][i] = increment(0, 0);
+        gradient[1][i] = increment(0, 1);
+        gradient[2][i] = increment(1, 0);
+        gradient[3][i] = increment(1, 1);
+        if (sends_ice_) chunk.component(4)[i] = request_.ice_saturation[point];
     }
+    if (!recorder_) return;
+    chunk_rves_.clear();
+    for (const std::uint32_t row : rows) chunk_rves_.push_back(asked_rves_[row]);
+    recorder_->request(chunk, chunk_rves_);
 }
 
 void FarmLaw::collect() {
     const Timing timing(*this);
-    farm_.finish_step();
-    if (recorder_) recorder_->end_step(answer_);
-    const auto rves = answer_.ids();
-    for (std::size_t row = 0; row < rves.size(); ++row) {
-        for (std::size_t component = 0; component < row_.size(); ++component) row_[component] = answer_.component(static_cast<int>(component))[row];
-        check_status(rves[row], row_[static_cast<std::size_t>(at_.status)]);
-        if (checks_) check_numbers(rves[row], row_.data());
-        if (checks_) watch(point_of_rve_[rves[row]], row_.data());
-        take(rves[row], row_.data(), out_);
+    farms_.finish_step();
+    for (int farm = 0; farm < farms_.farms(); ++farm) {
+        const exchange::Batch& answer = farms_.answer(farm);
+        const auto ids = answer.ids();
+        if (recorder_) recorder_->answer(answer, farms_.rves(farm));
+        for (std::size_t row = 0; row < ids.size(); ++row) {
+            const std::uint32_t rve = farms_.rves(farm)[ids[row]];
+            for (std::size_t component = 0; component < row_.size(); ++component) row_[component] = answer.component(static_cast<int>(component))[row];
+            check_status(rve, row_[static_cast<std::size_t>(at_.status)]);
+            if (checks_) check_numbers(rve, row_.data());
+            if (checks_) watch(point_of_rve_[rve], row_.data());
+            take(rve, row_.data(), out_);
+        }
     }
-    evaluations_ += static_cast<std::int64_t>(rves.size());
+    if (recorder_) recorder_->end_step();
+    evaluations_ += static_cast<std::int64_t>(asked_rves_.size());
 }
 
 void FarmLaw::take(std::uint32_t rve, const double* answer, LawAnswer out) {
@@ -228,9 +253,13 @@ std::int64_t FarmLaw::split_steps() const {
 }
 
 exchange::LockstepTimes FarmLaw::farm_times() {
-    const auto said = farm_.command("times");
-    ByteReader in(said, "the answer to \"times\"");
-    return in.get<exchange::LockstepTimes>();
+    exchange::LockstepTimes mean;
+    for (const auto& said : farms_.command("times")) {
+        ByteReader in(said, "the answer to \"times\"");
+        const auto times = in.get<exchange::LockstepTimes>();
+        mean.computing += times.computing / farms_.farms(), mean.copying += times.copying / farms_.farms(), mean.waiting += times.waiting / farms_.farms();
+    }
+    return mean;
 }
 
 double FarmLaw::dem_time_step() const {
@@ -243,15 +272,17 @@ bool FarmLaw::activate(const std::string& effect, std::span<const std::uint32_t>
     std::vector<std::uint32_t> rves;
     for (const std::uint32_t point : points)
         if (const std::uint32_t rve = rve_of_point_[point]; rve < point_of_rve_.size() && point_of_rve_[rve] == point) rves.push_back(rve);
-    ByteWriter ids;
-    ids.array(rves);
-    const auto reply = farm_.command("activate bonds", ids.bytes());
-    if (recorder_) recorder_->command("activate bonds", ids.bytes(), reply);
+    farms_.command_rves("activate bonds", rves);
+    if (recorder_) {
+        ByteWriter ids;
+        ids.array(rves);
+        recorder_->command("activate bonds", ids.bytes(), {});
+    }
     return true;
 }
 
 void FarmLaw::checkpoint(const std::string& folder) {
-    farm_.checkpoint(std::filesystem::absolute(std::filesystem::path(folder) / "farm.h5").string());
+    farms_.checkpoint(folder);
     Hdf5File file = Hdf5File::create((std::filesystem::path(folder) / "law.h5").string(), "mpm-driver", "talik-farm-law-checkpoint 1");
     file.set_attribute("/", "evaluations", evaluations_);
     file.set_attribute("/", "time", time_);
@@ -261,7 +292,7 @@ void FarmLaw::checkpoint(const std::string& folder) {
 }
 
 void FarmLaw::restore(const std::string& folder) {
-    farm_.restore(std::filesystem::absolute(std::filesystem::path(folder) / "farm.h5").string());
+    farms_.restore(folder);
     if (recorder_) recorder_->go_on();
     exchange::require_sealed(std::filesystem::path(folder) / "law.h5");
     const Hdf5File file = Hdf5File::open((std::filesystem::path(folder) / "law.h5").string());

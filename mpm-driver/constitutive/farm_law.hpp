@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/packing/farm_setup.hpp"
-#include "exchange/driver_end.hpp"
 #include "exchange/farm_end.hpp"
+#include "exchange/farm_group.hpp"
 #include "exchange/recorder.hpp"
 #include "mpm-driver/constitutive/law.hpp"
 
@@ -20,7 +20,7 @@ int exchanged_components(bool ice);
 class FarmLaw : public Law {
 public:
     // setup.packing_of_rve is filled at begin(): packings are dealt out to the points in an order drawn from `seed`.
-    FarmLaw(exchange::Channel& channel, exchange::Hello hello, FarmSetup setup, std::uint64_t seed);
+    FarmLaw(exchange::FarmGroup farms, exchange::Hello hello, FarmSetup setup, std::uint64_t seed);
 
     // Where the packings are snapshots of K0 paths: the vertical stress of the ground above a place, Pa, compression positive.
     void start_at_depth(std::function<double(const Vector&)> vertical_stress) { vertical_stress_ = std::move(vertical_stress); }
@@ -40,8 +40,10 @@ public:
     std::vector<StateColumn> columns() override;
 
     void bye();
+    void keep_up() { farms_.keep_up(); } // between two steps
+    const exchange::FarmGroup& farms() const { return farms_; }
     double recording_seconds() const { return recorder_ ? recorder_->seconds() : 0.0; } // of this thread
-    exchange::LockstepTimes farm_times(); // asked of the farm
+    exchange::LockstepTimes farm_times(); // asked of the farms: their mean
     double copying_seconds() const { return copying_; } // of this side, in steps, s
     double waiting_seconds() const { return waiting_; }
     double dem_time() const { return time_; } // that the RVEs have lived through, s
@@ -57,14 +59,16 @@ private:
     struct Components {
         int stress, status, stiffness, stored, kinetic, friction, damping, bond;
     };
-    void start_recording(std::span<const std::byte> setup, std::span<const double> initial, std::size_t rves);
+    std::vector<std::byte> setup_for(std::span<const std::uint32_t> rves) const;
+    void fill(std::span<const std::uint32_t> rows, exchange::Batch& chunk);
+    void start_recording(const std::vector<double>& initial);
     class Timing;
     void take(std::uint32_t rve, const double* answer, LawAnswer out);
     void check_status(std::uint32_t rve, double status) const;
     void check_numbers(std::uint32_t rve, const double* answer) const;
     void watch(std::uint32_t point, const double* answer);
 
-    exchange::DriverEnd farm_;
+    exchange::FarmGroup farms_;
     exchange::Hello hello_;
     FarmSetup setup_;
     std::uint64_t seed_;
@@ -81,8 +85,10 @@ private:
     std::unique_ptr<exchange::Recorder> recorder_; // null where nothing is recorded
 
     // Of the step in flight.
-    exchange::Batch answer_;
+    LawRequest request_;
     LawAnswer out_;
+    exchange::FarmGroup::Fill fill_ = [this](std::span<const std::uint32_t> rows, exchange::Batch& chunk) { fill(rows, chunk); };
+    std::vector<std::uint32_t> asked_rves_, chunk_rves_;
     std::uint64_t step_ = 0;
     double time_ = 0.0;                // s, simulated by the RVEs
     double latest_time_increment_ = 0.0; // s

@@ -124,6 +124,7 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
     json["wall_seconds"]["total"] = facts.wall_seconds;
     for (const auto& [stage, seconds] : facts.stage_seconds) json["wall_seconds"][stage] = seconds;
     json["cpu_seconds"] = facts.cpu_seconds;
+    if (facts.farms > 0) json["farms"] = {{"count", facts.farms}, {"replaced", facts.farms_replaced}, {"seconds_lost", facts.seconds_lost}, {"times_rves_moved", facts.rves_moved}};
     json["waiting_seconds"] = {{"driver", facts.waiting_driver}, {"farm", facts.waiting_farm ? Json(*facts.waiting_farm) : Json()}};
     const auto times = [](const exchange::LockstepTimes& t) { return Json{{"computing", t.computing}, {"copying", t.copying}, {"waiting", t.waiting}}; };
     if (!facts.farm.empty()) {

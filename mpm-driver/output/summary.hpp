@@ -36,6 +36,9 @@ struct RunFacts {
     double dem_time_step = 0.0;              // s, of the last macro step; 0 where no RVE is called for
     double wall_seconds = 0.0, cpu_seconds = 0.0;
     std::vector<std::pair<std::string, double>> stage_seconds;
+    int farms = 0, farms_replaced = 0;   // that answered side by side; that took over from one that was lost
+    double seconds_lost = 0.0;           // s, with farms that were lost
+    int rves_moved = 0;                  // times that RVEs changed hands between farms
     double waiting_driver = 0.0;         // s
     std::optional<double> waiting_farm;  // s; empty where the farm was lost before it could tell
     exchange::LockstepTimes driver_times;                // in steps

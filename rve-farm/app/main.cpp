@@ -3,6 +3,7 @@
 #include "common/base/idle_threads.hpp"
 #include "common/base/error.hpp"
 #include "common/base/program.hpp"
+#include "exchange/mpi_channel.hpp"
 #include "common/base/version.hpp"
 #include "rve-farm/app/commands.hpp"
 
@@ -18,7 +19,7 @@ int main(int argc, char** argv) {
     talik::farm::add_serve(app, exit);
     talik::farm::add_replay(app, exit);
     talik::farm::add_status(app, exit);
-    return talik::run_program([&] {
+    const int code = talik::run_program([&] {
         try {
             app.parse(argc, argv);
         } catch (const CLI::ParseError& error) {
@@ -27,4 +28,6 @@ int main(int argc, char** argv) {
         }
         return exit;
     });
+    talik::exchange::end_mpi(code == 0);
+    return code;
 }

@@ -7,8 +7,9 @@
 #include "common/base/error.hpp"
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
+#include "exchange/mpi_channel.hpp"
 #include "exchange/run_board.hpp"
-#include "exchange/shm_channel.hpp"
+#include "exchange/transport.hpp"
 
 namespace talik::farm {
 namespace {
@@ -17,16 +18,14 @@ std::unique_ptr<exchange::Channel> join(const PartnerOptions& options) {
     exchange::WaitLimits limits;
     limits.stall_seconds = options.stall_seconds;
     limits.attach_seconds = options.attach_seconds;
-    const std::string shm = "shm:";
-    require(options.exchange.starts_with(shm) && options.exchange.size() > shm.size(), "--exchange " + options.exchange + ": no such transport",
-            "give shm:NAME, with the name that the driver uses");
-    return exchange::join_shm_channel(options.exchange.substr(shm.size()), limits);
+    if (exchange::is_mpi(options.exchange)) exchange::begin_mpi(exchange::Role::farm);
+    return exchange::join_exchange(options.exchange, limits);
 }
 
 } // namespace
 
 void PartnerOptions::add_to(CLI::App& command) {
-    command.add_option("--exchange", exchange, "shm:NAME")->required();
+    command.add_option("--exchange", exchange, "shm:NAME, file:FOLDER or mpi")->required();
     command.add_option("--stall-seconds", stall_seconds, "how long a silent driver is waited for")->check(CLI::PositiveNumber);
     command.add_option("--attach-seconds", attach_seconds, "how long the exchange is waited for")->check(CLI::PositiveNumber);
     command.add_flag("--quiet", quiet, "warnings and errors only");

@@ -37,7 +37,8 @@ void add_serve(CLI::App& app, int& exit) {
     auto options = std::make_shared<ServeOptions>();
     CLI::App* command = app.add_subcommand("serve", "Answers a driver: strain increments in, stresses out");
     command->footer("Examples:\n"
-                    "  rve-farm serve --exchange shm:slope --threads 2      (and: mpm-driver run scene.toml --exchange shm:slope)");
+                    "  rve-farm serve --exchange shm:slope --threads 2      (and: mpm-driver run scene.toml --exchange shm:slope)\n"
+                    "  mpirun -n 1 mpm-driver run scene.toml --exchange mpi : -n 4 rve-farm serve --exchange mpi");
     options->partner.add_to(*command);
     command->add_option("--backend", options->backend, "auto, cpu or cuda")->check(CLI::IsMember({"auto", "cpu", "cuda"}));
     options->kernel.add_to(*command);

@@ -1,11 +1,15 @@
 #include "rve-farm/backend/service.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
+#include <numeric>
 #include <string>
 
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
+#include "common/base/stage_timer.hpp"
 #include "common/io/byte_stream.hpp"
 #include "common/io/hdf5_file.hpp"
 #include "common/packing/farm_setup.hpp"
@@ -15,7 +19,7 @@
 namespace talik::farm {
 namespace {
 
-constexpr const char* format = "talik-farm-checkpoint 2";
+constexpr const char* format = "talik-farm-checkpoint 3";
 
 std::string kernel_in_words(const Kernel& kernel) { return std::string(name_of(kernel.precision)) + " precision, " + name_of(kernel.level); }
 
@@ -86,6 +90,9 @@ std::vector<std::byte> Service::configure(std::span<const std::byte> payload, ex
     };
     farm_.emplace(setup.parameters, setup.packings, setup.packing_of_rve, options);
     memory_ = exchange::AnswerMemory(farm_->size(), answer_columns_);
+    run_ids_ = setup.ids;
+    if (run_ids_.empty()) run_ids_.resize(setup.packing_of_rve.size()), std::iota(run_ids_.begin(), run_ids_.end(), 0u);
+    costs_.assign(run_ids_.size(), 0.0);
 
     const auto count = static_cast<std::size_t>(farm_->size());
     std::vector<double> initial(readers_.size() * count);
@@ -123,7 +130,12 @@ void Service::answer(const exchange::Batch& request, exchange::Batch& answer, ex
     progress_ = &progress;
     progress_total_ = farm().rves_done() + count;
     const auto& clock = request.header();
-    farm().advance(ids_, increments_, ice_, clock.time_increment, static_cast<int>(clock.substeps), answers_);
+    double seconds = 0.0; // of all rows together: a backend may compute them at once
+    {
+        const StageTimer::Scope timing(seconds);
+        farm().advance(ids_, increments_, ice_, clock.time_increment, static_cast<int>(clock.substeps), answers_);
+    }
+    for (const std::uint32_t id : ids_) costs_[id] += seconds / static_cast<double>(count);
     for (std::size_t component = 0; component < readers_.size(); ++component) {
         const auto column = answer.component(static_cast<int>(component));
         for (std::size_t i = 0; i < count; ++i) column[static_cast<std::size_t>(rows_[i])] = readers_[component](answers_[i], farm().assembly(static_cast<int>(ids_[i])).numbers());
@@ -147,13 +159,20 @@ std::vector<std::byte> Service::command(const std::string& name, std::span<const
         }
         return {};
     }
-    fail(ExitCode::bad_input, "the farm knows no command \"" + name + "\"", "it knows: activate bonds, times");
+    if (name == "costs") {
+        ByteWriter out;
+        out.array(costs_);
+        std::fill(costs_.begin(), costs_.end(), 0.0);
+        return out.take();
+    }
+    fail(ExitCode::bad_input, "the farm knows no command \"" + name + "\"", "it knows: activate bonds, costs, times");
 }
 
 void Service::checkpoint(const std::string& path) {
-    Hdf5File file = Hdf5File::create(path, "rve-farm", format);
+    const std::string part = path + ".part";
+    Hdf5File file = Hdf5File::create(part, "rve-farm", format);
     std::vector<std::byte> bytes;
-    std::vector<std::int64_t> ends; // of each RVE's bytes, by id
+    std::vector<std::int64_t> ends; // of each RVE's bytes
     for (int id = 0; id < farm().size(); ++id) {
         farm().save(id, bytes);
         ends.push_back(static_cast<std::int64_t>(bytes.size()));
@@ -163,39 +182,74 @@ void Service::checkpoint(const std::string& path) {
     const auto plain = [](std::span<const std::byte> b) {
         return std::span<const std::uint8_t>(reinterpret_cast<const std::uint8_t*>(b.data()), b.size());
     };
+    file.write("/rves/ids", run_ids_);
     file.write("/rves/bytes", plain(bytes));
     file.write("/rves/ends", ends);
     file.write("/answers", plain(memory.bytes()));
     file.write_text("/kernel", kernel_in_words(farm().kernel()));
     file.close();
-    exchange::seal(path);
+    exchange::seal(part);
+    std::filesystem::rename(part, path);
 }
 
+namespace {
+
+[[noreturn]] void fail_other_rves(const std::string& path) {
+    throw Error(ExitCode::bad_input, path, "holds other RVEs than the scene calls for", "restart with the very scene that wrote it");
+}
+
+} // namespace
+
 void Service::restore(const std::string& path) {
+    std::vector<std::string> files;
+    if (std::filesystem::is_directory(path)) {
+        for (const auto& entry : std::filesystem::directory_iterator(path))
+            if (entry.path().filename().string().starts_with("farm") && entry.path().extension() == ".h5") files.push_back(entry.path().string());
+        std::sort(files.begin(), files.end());
+    }
+    if (files.empty()) files.push_back(std::filesystem::is_directory(path) ? (std::filesystem::path(path) / "farm.h5").string() : path); // not there: the reader says so
+    std::vector<std::uint8_t> found(run_ids_.size(), 0);
+    std::size_t taken = 0;
+    for (const std::string& file : files) taken += restore_from(file, found);
+    if (taken != run_ids_.size()) fail_other_rves(path);
+}
+
+std::size_t Service::restore_from(const std::string& path, std::vector<std::uint8_t>& found) {
     exchange::require_sealed(path);
     const Hdf5File file = Hdf5File::open(path);
     file.require_format(format);
     const std::string then = file.read_text("/kernel"), now = kernel_in_words(farm().kernel());
     if (then != now) log::warn("{} was written by kernels of {}, these are of {}: the run goes on, but not to the same bits", path, then, now);
+    const auto ids = file.read<std::uint32_t>("/rves/ids").values;
     const auto bytes = file.read<std::uint8_t>("/rves/bytes").values;
     const auto ends = file.read<std::int64_t>("/rves/ends").values;
     const auto answers = file.read<std::uint8_t>("/answers").values;
     const auto sound = [&](bool holds) {
-        if (!holds) throw Error(ExitCode::bad_input, path, "holds other RVEs than the scene calls for", "restart with the very scene that wrote it");
+        if (!holds) fail_other_rves(path);
     };
-    sound(ends.size() == static_cast<std::size_t>(farm().size()));
-    std::size_t begin = 0;
-    for (int id = 0; id < farm().size(); ++id) {
-        const auto end = static_cast<std::size_t>(ends[static_cast<std::size_t>(id)]);
-        sound(begin <= end && end <= bytes.size());
-        const std::span<const std::byte> own(reinterpret_cast<const std::byte*>(bytes.data()) + begin, end - begin);
-        sound(farm().load(id, own) == own.size());
-        const std::string column = what_is_no_number(farm().assembly(id));
-        if (!column.empty()) throw Error(ExitCode::bad_input, path, "the RVE " + std::to_string(id) + " holds a number that is none, in its column " + column, "restart from another checkpoint");
-        begin = end;
-    }
+    sound(ends.size() == ids.size());
+    exchange::AnswerMemory remembered(static_cast<int>(ids.size()), answer_columns_);
     ByteReader memory({reinterpret_cast<const std::byte*>(answers.data()), answers.size()}, path);
-    memory_.load(memory);
+    remembered.load(memory);
+    std::map<std::uint32_t, std::size_t> place; // of an RVE of this farm, by its id in the run
+    for (std::size_t own = 0; own < run_ids_.size(); ++own) place[run_ids_[own]] = own;
+    std::size_t begin = 0, taken = 0;
+    for (std::size_t there = 0; there < ids.size(); ++there) {
+        const auto end = static_cast<std::size_t>(ends[there]);
+        sound(begin <= end && end <= bytes.size());
+        const std::span<const std::byte> state(reinterpret_cast<const std::byte*>(bytes.data()) + begin, end - begin);
+        begin = end;
+        const auto own = place.find(ids[there]);
+        if (own == place.end()) continue; // another farm's
+        sound(found[own->second] == 0);
+        found[own->second] = 1;
+        sound(farm().load(static_cast<int>(own->second), state) == state.size());
+        const std::string column = what_is_no_number(farm().assembly(static_cast<int>(own->second)));
+        if (!column.empty()) throw Error(ExitCode::bad_input, path, "the RVE " + std::to_string(ids[there]) + " holds a number that is none, in its column " + column, "restart from another checkpoint");
+        memory_.take(static_cast<std::uint32_t>(own->second), remembered, static_cast<std::uint32_t>(there));
+        ++taken;
+    }
+    return taken;
 }
 
 } // namespace talik::farm

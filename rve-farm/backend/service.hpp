@@ -19,19 +19,23 @@ public:
     // Takes a FarmSetup; returns the answers of all RVEs as they stand, [component][id], in the agreed columns.
     std::vector<std::byte> configure(std::span<const std::byte> payload, exchange::Channel& progress) override;
     void answer(const exchange::Batch& request, exchange::Batch& answer, exchange::Channel& progress) override;
-    // "activate bonds": in all RVEs, or in those whose ids are the payload
+    // "activate bonds": in all RVEs, or in those whose ids are the payload; "costs": of each RVE, the seconds of this farm that
+    // it has taken since this was last asked
     std::vector<std::byte> command(const std::string& name, std::span<const std::byte> payload) override;
-    void checkpoint(const std::string& path) override;
-    void restore(const std::string& path) override;
+    void checkpoint(const std::string& path) override; // a file, which appears once it is whole
+    void restore(const std::string& path) override;    // of a folder: the RVEs of this farm, from whichever files hold them
 
 private:
     Farm& farm();
+    std::size_t restore_from(const std::string& file, std::vector<std::uint8_t>& found); // the number of RVEs taken
 
     FarmOptions options_;
     bool books_energies_ = true;
     exchange::ColumnTable request_columns_, answer_columns_;
     std::vector<double (*)(const Answer&, const AssemblyNumbers&)> readers_; // of each component of the agreed answer columns
     std::optional<Farm> farm_;
+    std::vector<std::uint32_t> run_ids_; // of each RVE of this farm, in the run
+    std::vector<double> costs_;          // s, of each RVE
     exchange::AnswerMemory memory_;
     exchange::Channel* progress_ = nullptr; // of the step under way
     std::uint64_t progress_total_ = 0;

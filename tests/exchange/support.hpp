@@ -18,7 +18,9 @@
 #include "exchange/answer_memory.hpp"
 #include "exchange/driver_end.hpp"
 #include "exchange/farm_end.hpp"
+#include "exchange/file_channel.hpp"
 #include "exchange/loopback_channel.hpp"
+#include "exchange/mpi_channel.hpp"
 #include "exchange/shm_channel.hpp"
 
 namespace talik::exchange::test {
@@ -33,25 +35,60 @@ inline std::string unique_name(const std::string& what) {
 }
 inline bool in_dev_shm(const std::string& name) { return std::filesystem::exists("/dev/shm/talik-" + name); }
 
+// Every transport has to pass the same suite (tests/exchange/conformance).
+inline std::vector<std::string> transports() {
+    std::vector<std::string> kinds = {"loopback", "shm", "file"};
+    if (built_with_mpi()) kinds.push_back("mpi");
+    return kinds;
+}
+// Those between two processes that a test can start and kill; an MPI job ends as a whole (tests/lockstep/mpi_test.cpp).
+inline std::vector<std::string> transports_between_processes() { return {"shm", "file"}; }
+
+inline std::string exchange_folder(const std::string& name) { return (std::filesystem::temp_directory_path() / ("talik-" + name)).string(); }
+
+// capacity: bytes under way each way before a writer waits.
+inline std::unique_ptr<Channel> driver_channel(const std::string& kind, const std::string& name, std::size_t capacity, const WaitLimits& limits = {}) {
+    if (kind == "file") return make_file_channel(exchange_folder(name), limits, {capacity});
+    ShmOptions options;
+    options.ring_bytes = capacity;
+    return make_shm_channel(name, limits, options);
+}
+inline std::unique_ptr<Channel> farm_channel(const std::string& kind, const std::string& name, std::size_t capacity, const WaitLimits& limits = {}) {
+    if (kind == "file") return join_file_channel(exchange_folder(name), limits, {capacity});
+    return join_shm_channel(name, limits);
+}
+// Removes the folder of an exchange with this object.
+struct FolderOf {
+    std::string path;
+    explicit FolderOf(const std::string& name) : path(exchange_folder(name)) {}
+    ~FolderOf() { std::error_code ignored; std::filesystem::remove_all(path, ignored); }
+};
+
 struct Pair {
+    std::unique_ptr<FolderOf> folder; // outlives the ends
     std::unique_ptr<Channel> driver, farm;
 };
 
-// kind: "loopback" or "shm"; both ends in this process.
+// Both ends in this process.
 inline Pair connected_pair(const std::string& kind, std::size_t ring_bytes, const WaitLimits& limits = {}) {
     Pair pair;
     if (kind == "loopback") {
         std::tie(pair.driver, pair.farm) = loopback_pair(ring_bytes, limits);
+    } else if (kind == "mpi") {
+        std::tie(pair.driver, pair.farm) = mpi_pair(ring_bytes, limits);
     } else {
         const std::string name = unique_name("pair");
-        ShmOptions options;
-        options.ring_bytes = ring_bytes;
+        pair.folder = std::make_unique<FolderOf>(name);
 #ifdef __SANITIZE_THREAD__ // two mappings of one memory would hide every race from it
-        std::tie(pair.driver, pair.farm) = shm_channels_of_one_mapping(name, limits, options);
-#else
-        pair.driver = make_shm_channel(name, limits, options);
-        pair.farm = join_shm_channel(name, limits);
+        if (kind == "shm") {
+            ShmOptions options;
+            options.ring_bytes = ring_bytes;
+            std::tie(pair.driver, pair.farm) = shm_channels_of_one_mapping(name, limits, options);
+            return pair;
+        }
 #endif
+        pair.driver = driver_channel(kind, name, ring_bytes, limits);
+        pair.farm = farm_channel(kind, name, ring_bytes, limits);
     }
     return pair;
 }

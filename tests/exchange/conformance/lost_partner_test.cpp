@@ -1,4 +1,4 @@
-// Two processes, one of which comes to grief: killed, stopped, or failing, at every state of the protocol.
+// The conformance suite, two processes, one of which comes to grief: killed, stopped, or failing, at every state of the protocol.
 #include "exchange/driver_end.hpp"
 #include "exchange/farm_end.hpp"
 #include "exchange/process.hpp"
@@ -50,33 +50,38 @@ void serve(Channel& channel, const std::function<void(const std::string&)>& at) 
     FarmEnd(channel, service, "test-farm").serve();
 }
 
-std::unique_ptr<Channel> make_driver(const std::string& name, const WaitLimits& limits = {}) {
-    ShmOptions options;
-    options.ring_bytes = small_ring;
-    return make_shm_channel(name, limits, options);
+bool is_open(const std::string& kind, const std::string& name) { return kind == "shm" ? in_dev_shm(name) : std::filesystem::exists(exchange_folder(name)); }
+bool farm_came(const std::string& kind, const std::string& name) {
+    return kind == "shm" ? !in_dev_shm(name) : std::filesystem::exists(exchange_folder(name) + "/farm.id");
 }
 
 } // namespace
 
 TEST_CASE("Two processes run a lockstep, and leave nothing in /dev/shm", "[exchange][process]") {
+    const std::string kind = GENERATE(from_range(transports_between_processes()));
+    CAPTURE(kind);
     const std::string name = unique_name("pair");
-    const auto channel = make_driver(name);
-    CHECK(in_dev_shm(name));
-    Child farm([&] { serve(*join_shm_channel(name, {}), [](const std::string&) {}); });
+    const FolderOf folder(name);
+    const auto channel = driver_channel(kind, name, small_ring);
+    CHECK(is_open(kind, name));
+    Child farm([&] { serve(*farm_channel(kind, name, small_ring), [](const std::string&) {}); });
     CHECK_NOTHROW(drive(*channel, [](const std::string&) {}));
     CHECK_FALSE(in_dev_shm(name));
     CHECK(farm.exit_code() == 0);
 }
 
 TEST_CASE("A farm killed at any state of the protocol is reported dead within half a second", "[exchange][process]") {
+    const std::string kind = GENERATE(from_range(transports_between_processes()));
+    CAPTURE(kind);
     const std::string state = GENERATE(as<std::string>{}, "attached", "configure", "answer", "fifth answer", "checkpoint");
     CAPTURE(state);
     const std::string name = unique_name("kill");
+    const FolderOf folder(name);
     SharedInstant death;
-    const auto channel = make_driver(name);
+    const auto channel = driver_channel(kind, name, small_ring);
     int answers = 0;
     Child farm([&] {
-        serve(*join_shm_channel(name, {}), [&](const std::string& at) {
+        serve(*farm_channel(kind, name, small_ring), [&](const std::string& at) {
             if (at == "answer") ++answers;
             if (at != state && !(state == "fifth answer" && answers == 5)) return;
             death.set();
@@ -92,21 +97,24 @@ TEST_CASE("A farm killed at any state of the protocol is reported dead within ha
 }
 
 TEST_CASE("A driver killed at any state of the protocol is reported dead within half a second", "[exchange][process]") {
+    const std::string kind = GENERATE(from_range(transports_between_processes()));
+    CAPTURE(kind);
     const std::string state = GENERATE(as<std::string>{}, "attached", "connected", "configured", "in a step", "between steps");
     CAPTURE(state);
     const std::string name = unique_name("kill");
+    const FolderOf folder(name);
     SharedInstant death;
     Child driver([&] {
-        drive(*make_driver(name), [&](const std::string& at) {
+        drive(*driver_channel(kind, name, small_ring), [&](const std::string& at) {
             if (at == "attached") // else the farm might find the name gone, and wait for another driver
-                while (in_dev_shm(name)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                while (!farm_came(kind, name)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
             if (at != state) return;
             death.set();
             std::raise(SIGKILL);
         });
     });
     ExitCode code = ExitCode::done;
-    const std::string text = error_text([&] { serve(*join_shm_channel(name, {}), [](const std::string&) {}); }, &code);
+    const std::string text = error_text([&] { serve(*farm_channel(kind, name, small_ring), [](const std::string&) {}); }, &code);
     CHECK(death.seconds_ago() < death_noticed_within);
     CHECK(code == ExitCode::partner_lost);
     CHECK(contains(text, fmt::format("the driver (process {}) died without a word", driver.pid())));
@@ -114,8 +122,11 @@ TEST_CASE("A driver killed at any state of the protocol is reported dead within 
 }
 
 TEST_CASE("A launched farm that was killed is reported with its signal", "[exchange][process]") {
+    const std::string kind = GENERATE(from_range(transports_between_processes()));
+    CAPTURE(kind);
     const std::string name = unique_name("fate");
-    const auto channel = make_driver(name);
+    const FolderOf folder(name);
+    const auto channel = driver_channel(kind, name, small_ring);
     LaunchedProcess sleeper({"sleep", "30"}); // never comes to the exchange
     channel->ask_fate([&] { return sleeper.fate(); });
     kill(sleeper.pid(), SIGKILL);
@@ -128,13 +139,16 @@ TEST_CASE("A launched farm that was killed is reported with its signal", "[excha
 }
 
 TEST_CASE("A stopped farm is reported as stalled within the set time, not as dead", "[exchange][process]") {
+    const std::string kind = GENERATE(from_range(transports_between_processes()));
+    CAPTURE(kind);
     const std::string name = unique_name("stop");
+    const FolderOf folder(name);
     WaitLimits limits;
     limits.stall_seconds = 0.5;
     SharedInstant stop;
-    const auto channel = make_driver(name, limits);
+    const auto channel = driver_channel(kind, name, small_ring, limits);
     Child farm([&] {
-        serve(*join_shm_channel(name, {}), [&](const std::string& at) {
+        serve(*farm_channel(kind, name, small_ring), [&](const std::string& at) {
             if (at != "answer") return;
             stop.set();
             std::raise(SIGSTOP);
@@ -151,16 +165,19 @@ TEST_CASE("A stopped farm is reported as stalled within the set time, not as dea
 }
 
 TEST_CASE("A driver that is stopped itself does not take its own sleep for the farm's", "[exchange][process]") {
+    const std::string kind = GENERATE(from_range(transports_between_processes()));
+    CAPTURE(kind);
     const std::string name = unique_name("sleep");
+    const FolderOf folder(name);
     WaitLimits limits;
     limits.stall_seconds = 0.6;
     Child driver([&] {
-        const auto channel = make_driver(name, limits);
+        const auto channel = driver_channel(kind, name, small_ring, limits);
         drive(*channel, [](const std::string&) {});
     });
     std::atomic<bool> stopped{false};
     std::thread stopper;
-    serve(*join_shm_channel(name, {}), [&](const std::string& at) {
+    serve(*farm_channel(kind, name, small_ring), [&](const std::string& at) {
         if (at != "configure" || stopped.exchange(true)) return;
         std::this_thread::sleep_for(std::chrono::milliseconds(200)); // the driver waits for `ready` by now
         kill(driver.pid(), SIGSTOP);
@@ -172,10 +189,13 @@ TEST_CASE("A driver that is stopped itself does not take its own sleep for the f
 }
 
 TEST_CASE("A failing farm is quoted, and ends with its own exit code", "[exchange][process]") {
+    const std::string kind = GENERATE(from_range(transports_between_processes()));
+    CAPTURE(kind);
     const std::string name = unique_name("fail");
-    const auto channel = make_driver(name);
+    const FolderOf folder(name);
+    const auto channel = driver_channel(kind, name, small_ring);
     Child farm([&] {
-        serve(*join_shm_channel(name, {}), [](const std::string& at) {
+        serve(*farm_channel(kind, name, small_ring), [](const std::string& at) {
             if (at == "answer") fail(ExitCode::out_of_resource, "no memory for RVE 3", "use fewer");
         });
     });
@@ -187,9 +207,12 @@ TEST_CASE("A failing farm is quoted, and ends with its own exit code", "[exchang
 }
 
 TEST_CASE("The cause of a driver's end is quoted by its farm", "[exchange][process]") {
+    const std::string kind = GENERATE(from_range(transports_between_processes()));
+    CAPTURE(kind);
     const std::string name = unique_name("cause");
+    const FolderOf folder(name);
     Child driver([&] {
-        const auto channel = make_driver(name);
+        const auto channel = driver_channel(kind, name, small_ring);
         with_cause(*channel, [&] {
             drive(*channel, [](const std::string& at) {
                 if (at == "in a step") fail(ExitCode::failed, "point 7 left the grid", "enlarge it");
@@ -197,22 +220,25 @@ TEST_CASE("The cause of a driver's end is quoted by its farm", "[exchange][proce
         });
     });
     ExitCode code = ExitCode::done;
-    const std::string text = error_text([&] { serve(*join_shm_channel(name, {}), [](const std::string&) {}); }, &code);
+    const std::string text = error_text([&] { serve(*farm_channel(kind, name, small_ring), [](const std::string&) {}); }, &code);
     CHECK(code == ExitCode::partner_lost);
     CHECK(contains(text, "it reports: point 7 left the grid (enlarge it)"));
     CHECK(driver.exit_code() == 1);
 }
 
 TEST_CASE("Twenty random kills of either side: no hang, nothing left behind", "[exchange][process]") {
+    const std::string kind = GENERATE(from_range(transports_between_processes()));
+    CAPTURE(kind);
     const bool kill_farm = GENERATE(false, true);
     for (int trial = 0; trial < 20; ++trial) {
         CAPTURE(kill_farm, trial);
         const std::string name = unique_name("random");
+        const FolderOf folder(name);
         SharedInstant connected;
         Child driver([&] {
-            drive(*make_driver(name), [&](const std::string& at) { if (at == "connected") connected.set(); }, 1'000'000);
+            drive(*driver_channel(kind, name, small_ring), [&](const std::string& at) { if (at == "connected") connected.set(); }, 1'000'000);
         });
-        Child farm([&] { serve(*join_shm_channel(name, {}), [](const std::string&) {}); });
+        Child farm([&] { serve(*farm_channel(kind, name, small_ring), [](const std::string&) {}); });
         while (!connected.is_set()) std::this_thread::sleep_for(std::chrono::microseconds(100));
         std::this_thread::sleep_for(std::chrono::microseconds(7919 * trial % 20000));
         const auto begin = Clock::now();

@@ -1,4 +1,4 @@
-// The two ends over every kind of channel: one protocol, told like a protocol.
+// The conformance suite, protocol: the two ends over every transport, told like a protocol.
 #include "exchange/driver_end.hpp"
 #include "exchange/farm_end.hpp"
 #include "tests/exchange/support.hpp"
@@ -55,7 +55,7 @@ TEST_CASE("Any chunking, ring and channel gives the same bits, and so do steps a
     CAPTURE(count);
     const std::vector<double> reference = run_three_steps("loopback", 1u << 20, count, 4096, false);
     REQUIRE(reference.size() == static_cast<std::size_t>(3 * 5 * count));
-    for (const char* kind : {"loopback", "shm"})
+    for (const std::string& kind : transports())
         for (std::size_t ring_bytes : {4096, 65536}) // the small ring holds less than one chunk of 512
             for (int chunk_size : {100, 512})
                 for (bool resend : {false, true})
@@ -63,7 +63,7 @@ TEST_CASE("Any chunking, ring and channel gives the same bits, and so do steps a
 }
 
 TEST_CASE("A step addresses any subset of the RVEs, and answers come in its order", "[exchange][lockstep]") {
-    const std::string kind = GENERATE(as<std::string>{}, "loopback", "shm");
+    const std::string kind = GENERATE(from_range(transports()));
     Served farm(kind);
     farm.start();
     DriverEnd driver(*farm.pair.driver, 2);
@@ -91,7 +91,7 @@ TEST_CASE("A step addresses any subset of the RVEs, and answers come in its orde
 }
 
 TEST_CASE("Configuration, commands and checkpoints reach the farm, however large", "[exchange][lockstep]") {
-    const std::string kind = GENERATE(as<std::string>{}, "loopback", "shm");
+    const std::string kind = GENERATE(from_range(transports()));
     Served farm(kind, 4096);
     farm.start();
     DriverEnd driver(*farm.pair.driver);
@@ -110,7 +110,7 @@ TEST_CASE("Configuration, commands and checkpoints reach the farm, however large
 }
 
 TEST_CASE("The farm's own error reaches the driver with its exit code, place and remedy", "[exchange][lockstep]") {
-    const std::string kind = GENERATE(as<std::string>{}, "loopback", "shm");
+    const std::string kind = GENERATE(from_range(transports()));
     const std::string state = GENERATE(as<std::string>{}, "configure", "answer", "command", "checkpoint", "restore");
     CAPTURE(kind, state);
     Served farm(kind, 4096);
@@ -138,7 +138,7 @@ TEST_CASE("The farm's own error reaches the driver with its exit code, place and
 }
 
 TEST_CASE("Columns that do not fit end the handshake on both sides, named", "[exchange][lockstep]") {
-    const std::string kind = GENERATE(as<std::string>{}, "loopback", "shm");
+    const std::string kind = GENERATE(from_range(transports()));
     Served farm(kind);
     farm.start();
     Hello hello = driver_hello();
@@ -151,7 +151,7 @@ TEST_CASE("Columns that do not fit end the handshake on both sides, named", "[ex
 }
 
 TEST_CASE("A farm answers no step before its configuration, and none of another run or layout", "[exchange][lockstep]") {
-    const std::string kind = GENERATE(as<std::string>{}, "loopback", "shm");
+    const std::string kind = GENERATE(from_range(transports()));
     const std::string fault = GENERATE(as<std::string>{}, "unconfigured", "run", "epoch", "layout");
     CAPTURE(kind, fault);
     Served farm(kind);
@@ -172,7 +172,7 @@ TEST_CASE("A farm answers no step before its configuration, and none of another 
 }
 
 TEST_CASE("Messages out of turn are named by both ends", "[exchange][lockstep]") {
-    const std::string kind = GENERATE(as<std::string>{}, "loopback", "shm");
+    const std::string kind = GENERATE(from_range(transports()));
     Pair pair = connected_pair(kind, 4096);
     Frame frame;
     frame.type = FrameType::done;

@@ -1,4 +1,4 @@
-// One body of tests for every kind of channel.
+// The conformance suite, frames: what every transport does with them, and what it says of a partner.
 #include "exchange/channel.hpp"
 #include "common/base/interrupt.hpp"
 #include "tests/exchange/support.hpp"
@@ -32,7 +32,7 @@ WaitLimits short_stall(double seconds) {
 } // namespace
 
 TEST_CASE("Frames arrive whole and in order, whatever their size", "[exchange][channel]") {
-    const std::string kind = GENERATE(as<std::string>{}, "loopback", "shm");
+    const std::string kind = GENERATE(from_range(transports()));
     const bool checksums = GENERATE(false, true);
     CAPTURE(kind, checksums);
     Pair pair = connected_pair(kind, 4096);
@@ -53,7 +53,7 @@ TEST_CASE("Frames arrive whole and in order, whatever their size", "[exchange][c
 }
 
 TEST_CASE("A message far larger than the ring streams through it, both ways at once", "[exchange][channel]") {
-    const std::string kind = GENERATE(as<std::string>{}, "loopback", "shm");
+    const std::string kind = GENERATE(from_range(transports()));
     const std::size_t size = 8u << 20;
     Pair pair = connected_pair(kind, 65536);
     auto echo = std::async(std::launch::async, [&] {
@@ -70,7 +70,7 @@ TEST_CASE("A message far larger than the ring streams through it, both ways at o
 }
 
 TEST_CASE("A full ring refuses a try, and holds back a send until there is room", "[exchange][channel]") {
-    const std::string kind = GENERATE(as<std::string>{}, "loopback", "shm");
+    const std::string kind = GENERATE(from_range(transports()));
     Pair pair = connected_pair(kind, 4096);
     int fitted = 0;
     while (pair.driver->try_send(numbered(static_cast<std::uint64_t>(fitted), 500))) ++fitted;
@@ -92,7 +92,7 @@ TEST_CASE("A full ring refuses a try, and holds back a send until there is room"
 }
 
 TEST_CASE("An empty channel has nothing to receive", "[exchange][channel]") {
-    const std::string kind = GENERATE(as<std::string>{}, "loopback", "shm");
+    const std::string kind = GENERATE(from_range(transports()));
     Pair pair = connected_pair(kind, 4096);
     Frame frame;
     CHECK_FALSE(pair.farm->try_receive(frame));
@@ -102,7 +102,7 @@ TEST_CASE("An empty channel has nothing to receive", "[exchange][channel]") {
 }
 
 TEST_CASE("A partner that neither works nor speaks has stalled after the set time, not before", "[exchange][channel]") {
-    const std::string kind = GENERATE(as<std::string>{}, "loopback", "shm");
+    const std::string kind = GENERATE(from_range(transports()));
     Pair pair = connected_pair(kind, 4096, short_stall(0.4));
     pair.farm->advance_progress(17, 400);
     Frame frame;
@@ -118,7 +118,7 @@ TEST_CASE("A partner that neither works nor speaks has stalled after the set tim
 }
 
 TEST_CASE("A slow partner whose work advances is waited for beyond the stall time", "[exchange][channel]") {
-    const std::string kind = GENERATE(as<std::string>{}, "loopback", "shm");
+    const std::string kind = GENERATE(from_range(transports()));
     Pair pair = connected_pair(kind, 4096, short_stall(0.5));
     auto slow = std::async(std::launch::async, [&] {
         for (int i = 0; i < 30; ++i) { // 1.5 s in all: three times the stall time
@@ -136,7 +136,7 @@ TEST_CASE("A slow partner whose work advances is waited for beyond the stall tim
 }
 
 TEST_CASE("A partner that leaves is reported at once, in its own words", "[exchange][channel]") {
-    const std::string kind = GENERATE(as<std::string>{}, "loopback", "shm");
+    const std::string kind = GENERATE(from_range(transports()));
     Pair pair = connected_pair(kind, 4096);
     Frame frame;
     SECTION("with a cause") {
@@ -160,7 +160,7 @@ TEST_CASE("A partner that leaves is reported at once, in its own words", "[excha
 }
 
 TEST_CASE("What a partner sent before it left is still received", "[exchange][channel]") {
-    const std::string kind = GENERATE(as<std::string>{}, "loopback", "shm");
+    const std::string kind = GENERATE(from_range(transports()));
     Pair pair = connected_pair(kind, 4096);
     pair.farm->send(numbered(1, 300));
     pair.farm->send(numbered(2, 300));
@@ -171,6 +171,24 @@ TEST_CASE("What a partner sent before it left is still received", "[exchange][ch
     pair.driver->receive(frame);
     CHECK(frame.step == 2);
     CHECK_THROWS_AS(pair.driver->receive(frame), Error);
+}
+
+TEST_CASE("Waiting for one of several partners gives up its turn in time, and has not lost patience with the others", "[exchange][channel]") {
+    const std::string kind = GENERATE(from_range(transports()));
+    Pair pair = connected_pair(kind, 4096, short_stall(0.4));
+    pair.farm->advance_progress(1, 2);
+    const auto begin = Clock::now();
+    CHECK_FALSE(pair.driver->await(std::chrono::milliseconds(5)));
+    CHECK(seconds_since(begin) < 0.3); // a loaded machine may oversleep
+    CHECK_NOTHROW(pair.driver->look_after());
+    pair.farm->send(numbered(1, 10));
+    while (!pair.driver->await()) {}
+    Frame frame;
+    CHECK(pair.driver->try_receive(frame));
+    // Patience runs over many short turns as over one long wait.
+    CHECK(contains(error_text([&] { for (;;) pair.driver->await(std::chrono::milliseconds(5)); }), "stalled"));
+    pair.farm.reset();
+    CHECK(contains(error_text([&] { pair.driver->look_after(); }), "left the exchange"));
 }
 
 TEST_CASE("An interrupt ends the wait for a partner that has not come at once, and takes the name out of /dev/shm", "[exchange][channel]") {
@@ -195,7 +213,7 @@ TEST_CASE("An interrupt ends the wait for a partner that has not come at once, a
 }
 
 TEST_CASE("An interrupt ends a wait after its grace, and a second one at once", "[exchange][channel]") {
-    const std::string kind = GENERATE(as<std::string>{}, "loopback", "shm");
+    const std::string kind = GENERATE(from_range(transports()));
     const bool twice = GENERATE(false, true);
     CAPTURE(kind, twice);
     WaitLimits limits;
