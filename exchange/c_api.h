@@ -83,7 +83,7 @@ typedef struct talik_law {
 } talik_law;
 TALIK_API void talik_set_error(const char* text);
 
-/* Joins the exchange ("shm:NAME"), waits for a driver at most attach_seconds, and answers it until it says bye. */
+/* Joins the exchange ("shm:NAME" or "file:FOLDER"), waits for a driver at most attach_seconds, and answers it until it says bye. */
 TALIK_API int talik_serve(const char* exchange, const talik_law* law, void* user, double attach_seconds);
 
 /* ---- A driver of one's own ---------------------------------------------------------------------------------------- */

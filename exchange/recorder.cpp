@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <fmt/format.h>
 #include <limits>
@@ -15,6 +16,12 @@ namespace talik::exchange {
 namespace {
 
 namespace fs = std::filesystem;
+
+double cpu_seconds_of_this_thread() {
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
 
 std::string part_of(const std::string& file) { return file + ".part"; }
 
@@ -170,6 +177,7 @@ void Recorder::pack_blocks() {
         lock.unlock();
         pack_row(block.request, block.scratch, block.packed_request);
         pack_row(block.answer, block.scratch, block.packed_answer);
+        packing_seconds_ = cpu_seconds_of_this_thread();
         lock.lock();
         block.state = Block::State::packed;
         ++next_pack_;

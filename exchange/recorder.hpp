@@ -6,6 +6,7 @@
 //     recorder.begin_step(clock); recorder.request(chunk, rves); ...; recorder.answer(answer, rves); recorder.end_step();
 //     recorder.close();
 #include <array>
+#include <atomic>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -35,7 +36,8 @@ public:
     void command(const std::string& name, std::span<const std::byte> payload, std::span<const std::byte> reply);
     void close(); // everything is on disk
 
-    double seconds() const { return seconds_; } // of the caller, in all of the above
+    double seconds() const { return seconds_; }                 // of the caller, in all of the above
+    double packing_seconds() const { return packing_seconds_; } // CPU time of the other thread
 
 private:
     struct Block { // a step
@@ -67,6 +69,7 @@ private:
     std::array<Block, blocks> ring_;
     std::size_t next_fill_ = 0, next_pack_ = 0, next_write_ = 0; // count up; [i % blocks]
     bool ends_ = false;
+    std::atomic<double> packing_seconds_{0.0};
     std::thread packer_;
 };
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #if defined(__CUDACC__)
-#define TALIK_HOST_DEVICE __host__ __device__
+#define TALIK_HOST_DEVICE __host__ __device__ __forceinline__
 #else
 // Always inlined: kernel files are compiled for several instruction levels, and an out-of-line copy made for a newer machine
 // could be the one the linker keeps for all.

@@ -16,7 +16,7 @@
 #include "exchange/driver_end.hpp"
 #include "exchange/farm_end.hpp"
 #include "exchange/run_board.hpp"
-#include "exchange/shm_channel.hpp"
+#include "exchange/transport.hpp"
 
 using namespace talik;
 using namespace talik::exchange;
@@ -78,7 +78,7 @@ int talik_driver_open(talik_driver** out, const char* exchange, const talik_driv
         WaitLimits limits;
         if (options->attach_seconds > 0.0) limits.attach_seconds = options->attach_seconds;
         if (options->stall_seconds > 0.0) limits.stall_seconds = options->stall_seconds;
-        driver->channel = make_shm_channel(c::shm_name(exchange), limits);
+        driver->channel = make_exchange(c::address(exchange), limits);
         run_board().run_id = driver->hello.run_id;
         driver->farm = std::make_unique<DriverEnd>(*driver->channel);
         with_cause(*driver->channel, [&] { driver->farm->connect(driver->hello); });

@@ -21,10 +21,12 @@ std::vector<Column> columns_of(const talik_column* columns, std::size_t count) {
     return out;
 }
 
-std::string shm_name(const char* exchange) {
-    const std::string text = exchange ? exchange : "", shm = "shm:";
-    require(text.starts_with(shm) && text.size() > shm.size(), "\"" + text + "\": no such exchange", "give \"shm:NAME\"");
-    return text.substr(shm.size());
+std::string address(const char* exchange) {
+    const std::string text = exchange ? exchange : "";
+    const std::size_t colon = text.find(':'); // a process that is none of Talik's is in no MPI job with it
+    const bool known = (text.starts_with("shm:") || text.starts_with("file:")) && colon + 1 < text.size();
+    require(known, "\"" + text + "\": no such exchange", "give \"shm:NAME\" or \"file:FOLDER\"");
+    return text;
 }
 
 } // namespace talik::exchange::c

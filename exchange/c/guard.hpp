@@ -32,7 +32,7 @@ int guarded(Body&& body) noexcept {
 }
 
 std::vector<Column> columns_of(const talik_column* columns, std::size_t count);
-std::string shm_name(const char* exchange); // NAME of "shm:NAME"
+std::string address(const char* exchange); // "shm:NAME" or "file:FOLDER", checked
 
 // A structure from outside: the size it says must be one that this library knows.
 template <class Structure>

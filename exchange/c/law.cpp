@@ -14,7 +14,7 @@
 #include "exchange/farm_end.hpp"
 #include "exchange/run_board.hpp"
 #include "exchange/sealed_file.hpp"
-#include "exchange/shm_channel.hpp"
+#include "exchange/transport.hpp"
 
 namespace talik::exchange::c {
 namespace {
@@ -174,9 +174,9 @@ extern "C" int talik_serve(const char* exchange, const talik_law* law, void* use
         c::ForeignLaw service(*law, user);
         WaitLimits limits;
         if (attach_seconds > 0.0) limits.attach_seconds = attach_seconds;
-        const std::string name = c::shm_name(exchange);
-        publish_run_board(Role::farm, exchange);
-        const auto channel = join_shm_channel(name, limits);
+        const std::string address = c::address(exchange);
+        publish_run_board(Role::farm, address);
+        const auto channel = join_exchange(address, limits);
         with_cause(*channel, [&] { FarmEnd(*channel, service, law->name ? law->name : "a law").serve(); });
     });
 }

@@ -121,7 +121,7 @@ RunFacts SceneLaws::facts() const {
     if (farm_times_) facts.waiting_farm = farm_times_->waiting;
     facts.farm_times = farm_times_;
     facts.driver_times = {0.0, farm_->copying_seconds(), farm_->waiting_seconds()}; // computing: the rest, once all is known
-    if (farm_->recording_seconds() > 0.0) facts.recording_seconds = farm_->recording_seconds();
+    if (farm_->recording_seconds() > 0.0) facts.recording_seconds = farm_->recording_seconds(), facts.recording_packing_seconds = farm_->packing_seconds();
     return facts;
 }
 

@@ -228,7 +228,6 @@ int go_and_close(Run& run) {
 } // namespace
 
 int run(const RunOptions& options) {
-    require(options.backend != "cuda", "--backend cuda: this build has no CUDA backend", "use --backend cpu, or leave the option out");
     if (options.threads > 0) omp_set_num_threads(options.threads);
     Scene scene = read_scene(options.scene, options.set);
     const fs::path output = output_folder(options);

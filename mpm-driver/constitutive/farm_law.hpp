@@ -43,6 +43,7 @@ public:
     void keep_up() { farms_.keep_up(); } // between two steps
     const exchange::FarmGroup& farms() const { return farms_; }
     double recording_seconds() const { return recorder_ ? recorder_->seconds() : 0.0; } // of this thread
+    double packing_seconds() const { return recorder_ ? recorder_->packing_seconds() : 0.0; } // of the recorder's, CPU
     exchange::LockstepTimes farm_times(); // asked of the farms: their mean
     double copying_seconds() const { return copying_; } // of this side, in steps, s
     double waiting_seconds() const { return waiting_; }

@@ -131,7 +131,7 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
         json["lockstep_seconds"] = {{"driver", times(facts.driver_times)}, {"farm", facts.farm_times ? times(*facts.farm_times) : Json()}};
         json["bottleneck"] = bottleneck(facts);
     }
-    if (facts.recording_seconds) json["recording_seconds"] = *facts.recording_seconds;
+    if (facts.recording_seconds) json["recording_seconds"] = {{"driver", *facts.recording_seconds}, {"compression_cpu", facts.recording_packing_seconds}};
     json["balance"] = {{"mass", ledger.mass_error()}, {"momentum", ledger.momentum_error()}, {"energy", ledger.energy_error()}, {"heat", simulation.heat() ? Json(simulation.heat()->balance_error(simulation.points())) : Json()}, {"numerical_loss", ledger.numerical_loss()}};
     json["energy_J"] = {{"input", ledger.input_work()}, {"work_of_walls", ledger.wall_work}, {"work_of_pressure", ledger.pressure_work}, {"work_of_gravity", ledger.gravity_work}, {"kinetic", ledger.kinetic}, {"internal_work", ledger.internal_work},
                         {"stored", ledger.law_stored}, {"dissipated_in_material", ledger.law_dissipation}, {"pic", ledger.pic},

@@ -44,6 +44,7 @@ struct RunFacts {
     exchange::LockstepTimes driver_times;                // in steps
     std::optional<exchange::LockstepTimes> farm_times;   // empty as above
     std::optional<double> recording_seconds;             // of the driver's thread; empty where nothing was recorded
+    double recording_packing_seconds = 0.0;              // CPU time of compressing, by another thread
     std::vector<std::string> warnings;
     int exit = 0;
     std::string cause;                       // of the end, where it was not the scene's

@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <utility>
 
 #include "common/base/error.hpp"
 #include "common/base/option_ranges.hpp"
@@ -21,7 +22,7 @@ namespace talik::farm {
 namespace {
 
 struct BenchOptions {
-    std::vector<int> rves = {8}, discs = {400}, threads = {1};
+    std::vector<int> rves, discs = {400}, threads = {1};
     std::vector<double> rates = {0.01, 0.1, 1.0}; // 1/s
     std::vector<std::string> precisions = {"single", "double"}, levels = {"auto"}, bonds = {"off", "on"}, ledger = {"off"};
     std::string backend = "cpu", packing, particles, contacts;
@@ -37,6 +38,9 @@ struct BenchCase {
     Precision precision;
     Level level;
     bool bonds, ledger;
+    bool cuda = false;
+    int cores() const { return cuda ? 1 : threads; } // that a sub-step's time is divided by
+    const char* computer() const { return cuda ? "cuda" : name_of(level); }
 };
 
 struct BenchRow {
@@ -81,18 +85,18 @@ public:
         while (window(steps) < options_.window_seconds) steps *= 2;
         BenchRow row;
         const StageSeconds before = farm_.stages();
-        const std::int64_t rebuilds = farm_.assembly(0).numbers().rebuilds;
+        const std::int64_t rebuilds = std::as_const(farm_).assembly(0).numbers().rebuilds;
         for (int k = 0; k < options_.windows; ++k) {
             const double inner = farm_.stages().inner;
             const double substeps = static_cast<double>(steps) * options_.substeps * case_.rves;
-            row.whole.push_back(1e6 * window(steps) * case_.threads / substeps);
+            row.whole.push_back(1e6 * window(steps) * case_.cores() / substeps);
             row.inner.push_back(1e6 * (farm_.stages().inner - inner) / substeps);
         }
         const StageSeconds after = farm_.stages();
         row.stages = {after.load - before.load, after.inner - before.inner, after.close - before.close, after.rebuild - before.rebuild};
-        const auto rebuilt = static_cast<double>(farm_.assembly(0).numbers().rebuilds - rebuilds);
+        const auto rebuilt = static_cast<double>(std::as_const(farm_).assembly(0).numbers().rebuilds - rebuilds);
         row.rebuild_interval = static_cast<double>(steps) * options_.substeps * options_.windows / std::max(1.0, rebuilt);
-        row.substeps_per_second = 1e6 * case_.threads / median(row.whole);
+        row.substeps_per_second = 1e6 * case_.cores() / median(row.whole);
         row.contacts = answers_[0].contacts;
         return row;
     }
@@ -107,6 +111,7 @@ private:
     }
     static FarmOptions farm_options(const BenchCase& chosen) {
         FarmOptions o;
+        o.backend = chosen.cuda ? Backend::cuda : Backend::cpu;
         o.threads = chosen.threads;
         o.level = chosen.level;
         o.precision = chosen.precision;
@@ -139,8 +144,8 @@ private:
 
 nlohmann::ordered_json in_json(const BenchCase& c, const BenchOptions& options, int discs, const BenchRow& row) {
     nlohmann::ordered_json json;
-    json["backend"] = "cpu";
-    json["simd"] = name_of(c.level);
+    json["backend"] = c.cuda ? "cuda" : "cpu";
+    json["simd"] = c.computer();
     json["precision"] = name_of(c.precision);
     json["threads"] = c.threads;
     json["rves"] = c.rves;
@@ -151,8 +156,9 @@ nlohmann::ordered_json in_json(const BenchCase& c, const BenchOptions& options, 
     json["rate"] = c.rate;
     json["substeps"] = options.substeps;
     json["us_per_substep"] = {{"median", median(row.whole)}, {"min", least(row.whole)}};
-    json["us_per_substep_inner"] = {{"median", median(row.inner)}, {"min", least(row.inner)}};
-    json["share"] = {{"load", row.share(row.stages.load)}, {"inner", row.share(row.stages.inner)}, {"store", row.share(row.stages.close)}, {"rebuild", row.share(row.stages.rebuild)}};
+    // On a GPU load, sub-steps and store are one launch: there is no telling them apart.
+    if (!c.cuda) json["us_per_substep_inner"] = {{"median", median(row.inner)}, {"min", least(row.inner)}};
+    if (!c.cuda) json["share"] = {{"load", row.share(row.stages.load)}, {"inner", row.share(row.stages.inner)}, {"store", row.share(row.stages.close)}, {"rebuild", row.share(row.stages.rebuild)}};
     json["substeps_between_rebuilds"] = row.rebuild_interval;
     json["rve_substeps_per_s"] = row.substeps_per_second;
     json["particle_steps_per_s"] = row.substeps_per_second * discs;
@@ -165,9 +171,12 @@ void print_head() {
 }
 
 void print(const BenchCase& c, int discs, const BenchRow& row) {
-    fmt::print("{:<7} {:<7} {:>7} {:>5} {:>6} {:>8} {:>5} {:>6} {:>4} | {:>7.3f} {:>7.3f} | {:>7.3f} {:>7.3f} | {:>4.1f} {:>5.1f} {:>7.1f} | {:>8.3g}\n", name_of(c.level), name_of(c.precision), c.threads,
-               c.rves, discs, row.contacts, c.bonds ? "on" : "off", c.ledger ? "on" : "off", c.rate, median(row.whole), least(row.whole), median(row.inner), least(row.inner),
-               100 * row.share(row.stages.load), 100 * row.share(row.stages.close), 100 * row.share(row.stages.rebuild), row.substeps_per_second);
+    fmt::print("{:<7} {:<7} {:>7} {:>5} {:>6} {:>8} {:>5} {:>6} {:>4} | {:>7.3f} {:>7.3f} | ", c.computer(), name_of(c.precision), c.threads, c.rves, discs, row.contacts,
+               c.bonds ? "on" : "off", c.ledger ? "on" : "off", c.rate, median(row.whole), least(row.whole));
+    if (c.cuda) fmt::print("      -       - |    -     -       - | {:>8.3g}\n", row.substeps_per_second);
+    else
+        fmt::print("{:>7.3f} {:>7.3f} | {:>4.1f} {:>5.1f} {:>7.1f} | {:>8.3g}\n", median(row.inner), least(row.inner), 100 * row.share(row.stages.load), 100 * row.share(row.stages.close),
+                   100 * row.share(row.stages.rebuild), row.substeps_per_second);
     std::fflush(stdout);
 }
 
@@ -181,23 +190,30 @@ std::vector<Level> levels_of(const std::vector<std::string>& names) {
     return levels;
 }
 
-std::vector<BenchCase> cases_of(const BenchOptions& o) {
+bool on_gpu(const BenchOptions& o) {
+    if (o.backend == "cuda") require_gpu(Backend::cuda);
+    return o.backend == "cuda" || (o.backend == "auto" && !open_gpus().devices.empty());
+}
+
+std::vector<BenchCase> cases_of(const BenchOptions& o, bool cuda) {
     std::vector<BenchCase> cases;
-    for (const Level level : levels_of(o.levels))
+    const std::vector<Level> levels = cuda ? std::vector<Level>{best_level()} : levels_of(o.levels);
+    for (const Level level : levels)
         for (const std::string& precision : o.precisions)
             for (const std::string& bonds : o.bonds)
                 for (const std::string& ledger : o.ledger)
                     for (const int threads : o.threads)
                         for (const int rves : o.rves)
                             for (const double rate : o.rates)
-                                cases.push_back({std::max(rves, threads), threads, rate, precision == "single" ? Precision::single_ : Precision::double_, level,
-                                                 bonds == "on", ledger == "on"});
+                                cases.push_back({std::max(rves, cuda ? 1 : threads), threads, rate, precision == "single" ? Precision::single_ : Precision::double_, level,
+                                                 bonds == "on", ledger == "on", cuda});
     return cases;
 }
 
-void bench(const BenchOptions& options) {
-    require(options.backend != "cuda", "--backend cuda: this build of rve-farm has no CUDA backend", "use --backend cpu");
-    const std::vector<BenchCase> cases = cases_of(options);
+void bench(BenchOptions options) {
+    const bool cuda = on_gpu(options);
+    if (options.rves.empty()) options.rves = cuda ? std::vector<int>{132, 1024, 10000} : std::vector<int>{8}; // 132: the multiprocessors of an H200
+    const std::vector<BenchCase> cases = cases_of(options, cuda);
     if (!options.json) print_head();
     auto rows = nlohmann::ordered_json::array();
     for (const int discs : options.discs) {
@@ -219,9 +235,10 @@ void add_bench(CLI::App& app) {
     command->footer("Examples:\n"
                     "  rve-farm bench\n"
                     "  rve-farm bench --simd all --precision single --rate 0.01 --bonds off\n"
+                    "  rve-farm bench --backend cuda --rves 132,10000 --discs 100,400,1000 --rate 0.01\n"
                     "  rve-farm bench --threads 1,2 --rves 64 --json > speed.json");
     const auto list = [&](const char* name, auto& values, const char* meaning) { return command->add_option(name, values, meaning)->delimiter(','); };
-    list("--rves", o->rves, "RVEs in the farm")->check(CLI::Range(1, 1000000));
+    list("--rves", o->rves, "RVEs in the farm; 8, on a GPU 132, 1024 and 10000")->check(CLI::Range(1, 1000000));
     list("--discs", o->discs, "in each RVE; packings are prepared at 100 kPa, void ratio 0.2")->check(CLI::Range(4, 100000));
     list("--threads", o->threads, "of the farm")->check(CLI::Range(1, 4096));
     list("--rate", o->rates, "strain rate, 1/s")->check(CLI::Range(0.0, 100.0));
@@ -229,7 +246,7 @@ void add_bench(CLI::App& app) {
     list("--simd", o->levels, "auto, all, plain, sse4, avx2, avx512")->check(CLI::IsMember({"auto", "all", "plain", "sse4", "avx2", "avx512"}));
     list("--bonds", o->bonds, "off, on")->check(CLI::IsMember({"off", "on"}));
     list("--ledger", o->ledger, "off, on: work and dissipation booked")->check(CLI::IsMember({"off", "on"}));
-    command->add_option("--backend", o->backend, "cpu or cuda")->check(CLI::IsMember({"auto", "cpu", "cuda"}));
+    command->add_option("--backend", o->backend, "cpu, cuda, or auto: a GPU where there is one")->check(CLI::IsMember({"auto", "cpu", "cuda"}));
     command->add_option("--packing", o->packing, "HDF5 file of a packing to measure on")->check(CLI::ExistingFile);
     command->add_option("--particles", o->particles, "or CSV file of its discs")->check(CLI::ExistingFile);
     command->add_option("--contacts", o->contacts, "and CSV file of its contacts")->check(CLI::ExistingFile);

@@ -15,16 +15,15 @@ namespace {
 
 struct ServeOptions {
     PartnerOptions partner;
-    std::string backend = "auto";
     KernelOptions kernel;
     int threads = 0;
 };
 
 int serve(const ServeOptions& options) {
-    require(options.backend != "cuda", "--backend cuda: this build of rve-farm has no CUDA backend", "use --backend cpu");
     FarmOptions farm;
     farm.threads = options.threads;
     options.kernel.choose(farm);
+    if (!options.partner.launched) require_gpu(farm.backend); // else the driver is told when it sets the farm up
     return serve_driver(options.partner, [&](exchange::Channel& channel) {
         Service service(farm);
         exchange::FarmEnd(channel, service, "rve-farm " + version()).serve();
@@ -40,7 +39,6 @@ void add_serve(CLI::App& app, int& exit) {
                     "  rve-farm serve --exchange shm:slope --threads 2      (and: mpm-driver run scene.toml --exchange shm:slope)\n"
                     "  mpirun -n 1 mpm-driver run scene.toml --exchange mpi : -n 4 rve-farm serve --exchange mpi");
     options->partner.add_to(*command);
-    command->add_option("--backend", options->backend, "auto, cpu or cuda")->check(CLI::IsMember({"auto", "cpu", "cuda"}));
     options->kernel.add_to(*command);
     command->add_option("--threads", options->threads, "0 = all")->check(CLI::NonNegativeNumber);
     command->callback([options, &exit] { exit = serve(*options); });

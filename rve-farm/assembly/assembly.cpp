@@ -118,7 +118,8 @@ void Assembly::allocate(std::int64_t discs, std::int64_t contact_capacity) {
         if (present) bytes += aligned(room(extent) * sizeof(*column));
     });
     arena_ = std::make_unique_for_overwrite<std::byte[]>(bytes);
-    std::byte* next = arena_.get() + (64 - reinterpret_cast<std::uintptr_t>(arena_.get()) % 64) % 64;
+    std::byte* next = begin_ = arena_.get() + (64 - reinterpret_cast<std::uintptr_t>(arena_.get()) % 64) % 64;
+    bytes_ = bytes - 64;
     for_each_column(view_, columns_, [&](const char*, const char*, Extent extent, auto*& column, bool present) {
         using Entry = std::remove_reference_t<decltype(*column)>;
         column = present ? reinterpret_cast<Entry*>(next) : nullptr;

@@ -30,6 +30,10 @@ public:
     const ColumnChoice& columns() const { return columns_; }
     SlotLayout& layout() { return layout_; } // of the kernel that last took it
 
+    // All columns, as one piece of memory.
+    std::span<std::byte> arena() { return {begin_, bytes_}; }
+    std::span<const std::byte> arena() const { return {begin_, bytes_}; }
+
     Packing packing(double grain_density) const;
 
     void save(std::vector<std::byte>& bytes) const;
@@ -43,6 +47,8 @@ private:
 
     ColumnChoice columns_;
     std::unique_ptr<std::byte[]> arena_; // sized once; pages beyond the contacts in use are never touched
+    std::byte* begin_ = nullptr;         // in it, on a cache line
+    std::size_t bytes_ = 0;
     std::unique_ptr<AssemblyNumbers> numbers_;
     AssemblyView view_{};
     SlotLayout layout_;

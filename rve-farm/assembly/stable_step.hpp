@@ -21,6 +21,7 @@ double stable_step(double omega_squared); // 2 / omega, s; infinite without cont
 double shortening_by_damping(double damping); // sqrt(1 + alpha), -
 
 // Is sub_step within 2/omega_max? Asks the cheapest estimate that can say yes.
+bool is_stable_by_list(AssemblyView& s, const ContactLaw<double>& contact, double sub_step); // by the first alone, which needs no positions
 bool is_stable(AssemblyView& s, const ContactLaw<double>& contact, double sub_step);
 
 } // namespace talik::farm

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "common/base/error.hpp"
+#include "common/base/log.hpp"
 #include "common/physics/clock.hpp"
 #include "rve-farm/assembly/stable_step.hpp"
 #include "rve-farm/physics/physics_choice.hpp"
@@ -49,6 +51,34 @@ Farm::Farm(const RveParameters& parameters, const std::vector<Packing>& packings
                 "number packings from 0 in the order of their file");
         assemblies_.emplace_back(prototypes[static_cast<std::size_t>(packing)]);
     }
+    choose_backend();
+}
+
+void require_gpu(Backend backend) {
+    if (backend != Backend::cuda) return;
+    const Gpus gpus = open_gpus();
+    if (gpus.devices.empty()) fail(ExitCode::out_of_resource, "--backend cuda: " + gpus.reason, "use --backend cpu, or auto");
+}
+
+// A block takes a few microseconds for a sub-step however many there are beside it, a core some two: below a few RVEs to a core
+// a GPU gains nothing.
+void Farm::choose_backend() {
+    constexpr int rves_of_a_thread_worth_a_gpu = 4;
+    Gpus gpus{options_.devices, ""};
+    if (gpus.devices.empty() && options_.backend == Backend::cpu) return;
+    if (gpus.devices.empty() && options_.backend == Backend::automatic) {
+        if (!built_with_cuda() || size() < rves_of_a_thread_worth_a_gpu * options_.threads) return;
+        gpus = open_gpus();
+        if (gpus.devices.empty()) log::info("no GPU to compute on ({}): the CPU does it", gpus.reason);
+        if (gpus.devices.empty()) return;
+    }
+    if (gpus.devices.empty()) {
+        require_gpu(Backend::cuda);
+        gpus = open_gpus();
+    }
+    backend_in_words_ = gpus.devices.front()->name();
+    if (gpus.devices.size() > 1) backend_in_words_ = fmt::format("{} GPUs, the first of them {}", gpus.devices.size(), backend_in_words_);
+    if (size() > 0) blocks_ = std::make_unique<BlockFarm>(stepper_, assemblies_, gpus.devices, options_.threads);
 }
 
 void Farm::advance(std::span<const std::uint32_t> ids, std::span<const double> increments,
@@ -60,14 +90,25 @@ void Farm::advance(std::span<const std::uint32_t> ids, std::span<const double> i
     const int asked = substeps > 0 ? substeps : substeps_of(parameters(), time_increment);
     const int count = static_cast<int>(ids.size());
     const int threads = std::max(1, std::min(options_.threads, count)); // a thread without an RVE would only be waited for
-    const double full_strength = parameters().bond ? parameters().bond->strength_factor : 0; // beta_a, -
+    if (blocks_) {
+        std::vector<MacroStep> steps(ids.size());
+        for (std::size_t row = 0; row < ids.size(); ++row) {
+            if (!ice_saturation.empty()) rebond(static_cast<int>(ids[row]), ice_saturation[row]);
+            const double* g = increments.data() + 4 * row;
+            steps[row] = {g[0], g[1], g[2], g[3], time_increment, asked, beta(ice_saturation, row)};
+        }
+        blocks_->advance(stepper_, assemblies_, ids, steps, answers, [this] {
+            rves_done_->fetch_add(1, std::memory_order_relaxed);
+            if (options_.on_rve_done) options_.on_rve_done();
+        });
+        return;
+    }
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
     for (int k = 0; k < count; ++k) {
         const auto row = static_cast<std::size_t>(k);
         if (!ice_saturation.empty()) rebond(static_cast<int>(ids[row]), ice_saturation[row]);
         const double* g = increments.data() + 4 * row;
-        const double beta = full_strength * (ice_saturation.empty() ? 1.0 : ice_saturation[row]); // Eq. (8)
-        answers[row] = farm::advance(stepper_, assemblies_[ids[row]], {g[0], g[1], g[2], g[3], time_increment, asked, beta},
+        answers[row] = farm::advance(stepper_, assemblies_[ids[row]], {g[0], g[1], g[2], g[3], time_increment, asked, beta(ice_saturation, row)},
                                     stages_.empty() ? nullptr : &stages_[static_cast<std::size_t>(omp_get_thread_num())]);
         rves_done_->fetch_add(1, std::memory_order_relaxed);
         if (options_.on_rve_done) options_.on_rve_done();
@@ -76,23 +117,26 @@ void Farm::advance(std::span<const std::uint32_t> ids, std::span<const double> i
 
 StageSeconds Farm::stages() const {
     StageSeconds sum;
+    if (blocks_) sum.rebuild = blocks_->rebuild_seconds();
     for (const StageSeconds& s : stages_) sum.load += s.load, sum.inner += s.inner, sum.close += s.close, sum.rebuild += s.rebuild;
     return sum;
 }
 
 Assembly& Farm::assembly(int id) {
-    ensure(id >= 0 && id < size());
+    std::as_const(*this).assembly(id);
+    if (blocks_) blocks_->changed(id);
     return assemblies_[static_cast<std::size_t>(id)];
 }
 const Assembly& Farm::assembly(int id) const {
     ensure(id >= 0 && id < size());
+    if (blocks_) blocks_->fetch(assemblies_[static_cast<std::size_t>(id)], id);
     return assemblies_[static_cast<std::size_t>(id)];
 }
 
 Answer Farm::measure(int id) const { return farm::measure(stepper_, assembly(id)); }
 
 Matrix Farm::cell(int id) const {
-    const AssemblyNumbers& n = assembly(id).numbers();
+    const AssemblyNumbers& n = assemblies_.at(static_cast<std::size_t>(id)).numbers(); // always here
     const double c = std::cos(n.frame_angle), s = std::sin(n.frame_angle); // H = R(theta) H'
     Matrix rotation, cell;
     rotation << c, -s, s, c;
@@ -123,7 +167,7 @@ void Farm::activate_bonds(int id) {
 
 void Farm::rebond(int id, double ice_saturation) {
     if (!parameters().bond || !parameters().bond->rebond_on_freezing) return;
-    std::int64_t& thawed = assembly(id).view().numbers->thawed;
+    std::int64_t& thawed = assemblies_[static_cast<std::size_t>(id)].view().numbers->thawed; // numbers are always here
     if (ice_saturation < parameters().bond->rebond_ice_saturation) {
         thawed = 1;
     } else if (thawed != 0) {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/math/matrix.hpp"
@@ -15,12 +16,18 @@
 #include "common/physics/rve_parameters.hpp"
 #include "rve-farm/assembly/assembly.hpp"
 #include "rve-farm/assembly/answer.hpp"
+#include "rve-farm/block/block_farm.hpp"
 #include "rve-farm/kernel/macro_step.hpp"
 #include "rve-farm/physics/physics.hpp"
 
 namespace talik::farm {
 
+// Where RVEs are stepped. `automatic`: on the GPUs of this machine where there are any, and enough RVEs to be worth it.
+enum class Backend { cpu, cuda, automatic };
+
 struct FarmOptions {
+    Backend backend = Backend::cpu;
+    std::vector<std::shared_ptr<Device>> devices; // to be used instead of the CPU, whatever the backend: for tests
     int threads = 0; // 0 = all that OpenMP offers
     std::optional<Level> level;               // of the instructions; none = the best that this machine has
     std::optional<Precision> precision;       // of the kernel; none = the parameters'
@@ -33,6 +40,9 @@ struct FarmOptions {
     std::function<void()> on_rve_done;
 };
 
+// Refuses (out_of_resource) `cuda` where no GPU can be used, saying why.
+void require_gpu(Backend backend);
+
 class Farm {
 public:
     // packing_of_rve[id] is the index of the packing that RVE `id` starts from. Grain density and thickness are those of
@@ -42,7 +52,9 @@ public:
 
     int size() const { return static_cast<int>(assemblies_.size()); }
     const RveParameters& parameters() const { return stepper_.parameters; }
-    const Kernel& kernel() const { return *stepper_.kernel; }
+    const Kernel& kernel() const { return *stepper_.kernel; } // of the CPU; a GPU has its precision
+    bool on_gpu() const { return blocks_ != nullptr; }
+    const std::string& backend_in_words() const { return backend_in_words_; }
 
     // One macro step of the RVEs `ids` (any subset, no id twice).
     //   displacement_gradient_increments: dt grad v, row-major (xx xy yx yy) for each of the ids
@@ -52,7 +64,7 @@ public:
                  std::span<const double> ice_saturation, double time_increment, int substeps, std::span<Answer> answers);
 
     // The present state of one RVE, without stepping.
-    Assembly& assembly(int id);
+    Assembly& assembly(int id); // to be changed
     const Assembly& assembly(int id) const;
     Answer measure(int id) const;
     Matrix cell(int id) const;             // in fixed axes, columns are the basis vectors, m
@@ -80,11 +92,17 @@ private:
     // Where the scene lets bonds form anew: an RVE whose ice fell below the threshold bonds at the contacts present once
     // its ice is back there. The memory of the thaw is part of the RVE's state.
     void rebond(int id, double ice_saturation);
+    void choose_backend();
+    double beta(std::span<const double> ice_saturation, std::size_t row) const { // Eq. (8)
+        return (parameters().bond ? parameters().bond->strength_factor : 0) * (ice_saturation.empty() ? 1.0 : ice_saturation[row]);
+    }
 
     FarmOptions options_;
     Stepper stepper_;
     std::vector<StageSeconds> stages_; // by thread
-    std::vector<Assembly> assemblies_;
+    mutable std::vector<Assembly> assemblies_; // fetched from a GPU when they are asked for
+    std::unique_ptr<BlockFarm> blocks_;         // where the RVEs are on GPUs
+    std::string backend_in_words_ = "cpu";
     std::unique_ptr<std::atomic<std::uint64_t>> rves_done_ = std::make_unique<std::atomic<std::uint64_t>>(0); // movable
 };
 

@@ -21,7 +21,9 @@ namespace {
 
 constexpr const char* format = "talik-farm-checkpoint 3";
 
-std::string kernel_in_words(const Kernel& kernel) { return std::string(name_of(kernel.precision)) + " precision, " + name_of(kernel.level); }
+std::string kernel_in_words(const Farm& farm) {
+    return std::string(name_of(farm.kernel().precision)) + " precision, " + (farm.on_gpu() ? "cuda" : name_of(farm.kernel().level));
+}
 
 // The first column of an RVE that holds a NaN or an infinite number; empty where all are sound.
 std::string what_is_no_number(const Assembly& rve) {
@@ -89,6 +91,7 @@ std::vector<std::byte> Service::configure(std::span<const std::byte> payload, ex
         if (progress_) progress_->advance_progress(farm_->rves_done(), progress_total_);
     };
     farm_.emplace(setup.parameters, setup.packings, setup.packing_of_rve, options);
+    if (farm_->on_gpu()) log::info("{} RVEs on {}", farm_->size(), farm_->backend_in_words());
     memory_ = exchange::AnswerMemory(farm_->size(), answer_columns_);
     run_ids_ = setup.ids;
     if (run_ids_.empty()) run_ids_.resize(setup.packing_of_rve.size()), std::iota(run_ids_.begin(), run_ids_.end(), 0u);
@@ -186,7 +189,7 @@ void Service::checkpoint(const std::string& path) {
     file.write("/rves/bytes", plain(bytes));
     file.write("/rves/ends", ends);
     file.write("/answers", plain(memory.bytes()));
-    file.write_text("/kernel", kernel_in_words(farm().kernel()));
+    file.write_text("/kernel", kernel_in_words(farm()));
     file.close();
     exchange::seal(part);
     std::filesystem::rename(part, path);
@@ -218,7 +221,7 @@ std::size_t Service::restore_from(const std::string& path, std::vector<std::uint
     exchange::require_sealed(path);
     const Hdf5File file = Hdf5File::open(path);
     file.require_format(format);
-    const std::string then = file.read_text("/kernel"), now = kernel_in_words(farm().kernel());
+    const std::string then = file.read_text("/kernel"), now = kernel_in_words(farm());
     if (then != now) log::warn("{} was written by kernels of {}, these are of {}: the run goes on, but not to the same bits", path, then, now);
     const auto ids = file.read<std::uint32_t>("/rves/ids").values;
     const auto bytes = file.read<std::uint8_t>("/rves/bytes").values;

@@ -13,6 +13,7 @@
 #include "rve-farm/assembly/answer.hpp"
 #include "rve-farm/assembly/columns.hpp"
 #include "rve-farm/assembly/slot_layout.hpp"
+#include "rve-farm/kernel/chunk_request.hpp"
 
 namespace talik::farm {
 
@@ -20,18 +21,6 @@ enum class Precision { single_, double_ };
 
 // The plain kernel: scalar code for any machine, and the one that can be visited in scrambled order. The others: lanes.
 enum class Level { plain, sse4, avx2, avx512 };
-
-struct ChunkRequest {
-    Stretch stretch;        // of the first sub-step, in the frame
-    int substeps = 0;       // 0: forces and sums of the present state
-    double sub_step = 0;    // s
-    double first_kick = 0;  // time over which the forces act at the first sub-step, s; afterwards sub_step
-    double beta = 1;        // beta_b of Eq. (8), -
-    double displacement_allowed = 0; // of any disc, non-affine, m: beyond it the chunk is not given back
-    bool give_back = true;  // the state; else only the sums
-    bool ledger = true;       // book work and dissipation
-    bool time_stages = false;
-};
 
 struct ChunkOutcome {
     bool accepted = false;

@@ -268,7 +268,7 @@ ChunkOutcome run_lanes(const Physics& physics, const ContactLaw<double>& law, co
             booked.friction += of_contacts.friction;
             booked.bond += of_contacts.bond;
             booked.work += of_discs.fluctuation_work;
-            work.sub_step(stretch, of_contacts.virial, of_discs.power, request.sub_step, booked);
+            work.sub_step(stretch.change(), stretch.change_seen_from_the_end(), of_contacts.virial, of_discs.power, request.sub_step, booked);
         }
         outcome.strain += stretch.largest_strain();
         outcome.last_stretch = stretch;

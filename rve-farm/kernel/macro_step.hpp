@@ -45,6 +45,9 @@ constexpr int most_extra_sub_steps = 10;
 // The number of sub-steps that the strain calls for, or -1 where the request is none.
 int substeps_needed(const MacroStep& step);
 
+// The list of candidates made anew, and the layout of it.
+Status make_list(Assembly& rve, LaneShape shape);
+
 // Answers the state after the step. A fault is a status, and leaves the RVE at the last good chunk.
 // stages: of this thread; null where nobody asks.
 Answer advance(const Stepper& stepper, Assembly& rve, const MacroStep& step, StageSeconds* stages = nullptr);

@@ -9,41 +9,23 @@ namespace {
 
 struct Plain {}; // Level tag
 
-template <class Real, class Physics>
-void move_disc(const Physics& physics, const SlotLayout& layout, const Symmetric& d, Real kick, Real dt, bool ledger, Work<Real, Plain>& w, int k) {
-    constexpr bool fluctuation = Physics::with_fluctuation;
+template <bool ledger, class Real, class Physics>
+void move_disc(const Physics& physics, const SlotLayout& layout, const PlanarStretch<Real>& d, Real kick, Real dt, Work<Real, Plain>& w, int k) {
     Real force[3] = {0, 0, 0};
     add_owned(w, layout, k, force);
     add_incoming(w, layout, k, force);
     const int row = 4 * k;
-    Real *v = w.velocity + row, *u = w.displacement + row;
+    Real *velocity = w.velocity + row, *displacement = w.displacement + row;
     const Real* im = w.inverse_mass + row;
-    const Real xx = Real(d.xx), yy = Real(d.yy), xy = Real(d.xy), old[3] = {v[0], v[1], v[2]};
-    double damping = 0;
-    for (int a = 0; a < 3; ++a) {
-        Real damped;
-        const Real next = kicked(physics, force[a], v[a], kick, im[a], damped);
-        if (ledger) damping += static_cast<double>(damping_loss(force[a], damped, v[a], next, kick));
-        v[a] = next;
+    Real v[3] = {velocity[0], velocity[1], velocity[2]}, u[3] = {displacement[0], displacement[1], displacement[2]};
+    DiscLoss loss;
+    disc_step<ledger>(physics, d, kick, dt, force, {im[0], im[1], im[2]}, w.mass ? w.mass[row] : Real(0), v, u, loss);
+    for (int a = 0; a < 3; ++a) velocity[a] = v[a], displacement[a] = u[a];
+    if constexpr (ledger) {
+        double* booked = w.booked + Work<Real, Plain>::booked_columns * k;
+        booked[0] = loss.damping, booked[1] = loss.fluctuation_work;
+        booked[2] = loss.power.xx, booked[3] = loss.power.yy, booked[4] = loss.power.xy;
     }
-    double fluctuation_work = 0;
-    if constexpr (fluctuation) { // -D v_f, the reaction to the kinetic stress
-        const Real lost_x = stretched(xx, xy, old[0], old[1]), lost_y = stretched(yy, xy, old[1], old[0]);
-        if (ledger) fluctuation_work = -static_cast<double>(w.mass[row] * (lost_x * (old[0] + v[0] - lost_x) + lost_y * (old[1] + v[1] - lost_y)) / 2);
-        v[0] -= lost_x;
-        v[1] -= lost_y;
-    }
-    const Real x = u[0], y = u[1];
-    u[0] = x + (stretched(xx, xy, x, y) + dt * v[0]); // w <- U w + dt v_f
-    u[1] = y + (stretched(yy, xy, y, x) + dt * v[1]);
-    u[2] += dt * v[2];
-    if (!ledger) return;
-    double* booked = w.booked + Work<Real, Plain>::booked_columns * k;
-    booked[0] = damping;
-    booked[1] = fluctuation_work;
-    booked[2] = static_cast<double>(force[0] * old[0]);
-    booked[3] = static_cast<double>(force[1] * old[1]);
-    booked[4] = static_cast<double>(force[0] * old[1] + force[1] * old[0]) / 2;
 }
 
 template <bool ledger, class Real, class Physics>
@@ -111,9 +93,10 @@ ChunkOutcome run_phases(const Team& team, const Physics& physics, const ContactL
     double sums[Work<Real, Plain>::booked_columns], largest_squared = 0;
     outcome.load_seconds = clock.lap();
     for (int step = 0; step < request.substeps; ++step) {
-        const Symmetric d = stretch.change();
+        const Symmetric change = stretch.change();
+        const PlanarStretch<Real> d{Real(change.xx), Real(change.yy), Real(change.xy)};
         const Real kick = Real(step == 0 ? request.first_kick : request.sub_step);
-        team.each(w.disc_slots, [&](int k) { move_disc(physics, layout, d, kick, dt, ledger, w, k); }); // Eqs. (44)-(46)
+        team.each(w.disc_slots, [&](int k) { move_disc<ledger>(physics, layout, d, kick, dt, w, k); }); // Eqs. (44)-(46)
         for (int k = 0; k < w.disc_slots; ++k) {
             const Real x = w.displacement[4 * k], y = w.displacement[4 * k + 1];
             largest_squared = larger(largest_squared, static_cast<double>(x * x + y * y));
@@ -130,7 +113,7 @@ ChunkOutcome run_phases(const Team& team, const Physics& physics, const ContactL
         if constexpr (ledger) {
             sum_booked(w, w.contact_slots, sums);
             booked.friction += sums[0], booked.bond += sums[1];
-            work.sub_step(stretch, {sums[2], sums[3], sums[4]}, power, request.sub_step, booked);
+            work.sub_step(change, stretch.change_seen_from_the_end(), {sums[2], sums[3], sums[4]}, power, request.sub_step, booked);
         }
         outcome.strain += stretch.largest_strain();
         outcome.last_stretch = stretch;

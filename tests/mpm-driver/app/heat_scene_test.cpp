@@ -38,9 +38,9 @@ name = "thaw"
 duration = "20 d"
 )toml";
 
-const tests::SceneText written("heat_scene_test.toml", sound);
-std::string faults_of(const std::string& text) { return written.faults_of(text); }
-std::string broken(const std::string& from, const std::string& to) { return written.broken(from, to); }
+const tests::SceneText heat_text("heat_scene_test.toml", sound);
+std::string faults_of(const std::string& text) { return heat_text.faults_of(text); }
+std::string broken(const std::string& from, const std::string& to) { return heat_text.broken(from, to); }
 
 } // namespace
 
@@ -75,6 +75,6 @@ TEST_CASE("what is wrong with heat in a scene is said with its line, its key and
 
 TEST_CASE("bodies of a mixture have its density where the scene gives none") {
     REQUIRE(faults_of(sound) == ""); // which writes the file
-    CHECK(*read_scene(written.path).bodies[0].density == Approx(0.57 * 2650 + 430));
-    CHECK(*read_scene(written.path, {"body.0.density=1800"}).bodies[0].density == 1800.0);
+    CHECK(*read_scene(heat_text.path).bodies[0].density == Approx(0.57 * 2650 + 430));
+    CHECK(*read_scene(heat_text.path, {"body.0.density=1800"}).bodies[0].density == 1800.0);
 }

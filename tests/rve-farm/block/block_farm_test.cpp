@@ -1,0 +1,121 @@
+#include "rve-farm/block/block_farm.hpp"
+
+#include "common/base/error.hpp"
+#include "rve-farm/block/block_work.hpp"
+#include "tests/rve-farm/block/block_suite.hpp"
+#include "tests/rve-farm/block/emulated_device.hpp"
+#include "tests/support/text.hpp"
+
+using namespace talik;
+using namespace talik::farm;
+
+namespace {
+
+std::shared_ptr<EmulatedDevice> emulated(std::uint64_t seed = 1, std::size_t shared_bytes = 227 * 1024) {
+    EmulatedDevice::Options options;
+    options.seed = seed;
+    options.shared_bytes_of_a_block = shared_bytes;
+    return std::make_shared<EmulatedDevice>(options);
+}
+
+// As a GPU that falls off its bus, when so many launches are done.
+class LostDevice : public EmulatedDevice {
+public:
+    int launches_left = 1000000;
+    void launch(int stream, const BlockLaunch& launch) override {
+        if (launches_left-- <= 0) fail(ExitCode::out_of_resource, "GPU 0: computing failed: unspecified launch failure", "go on from the last checkpoint");
+        EmulatedDevice::launch(stream, launch);
+    }
+};
+
+} // namespace
+
+TEST_CASE("a block in scrambled order gives the stress of the plain kernel, at every size and with every effect", "[block][kernel][eq5][eq49]") {
+    block_suite::check_against_plain({emulated(7)}, {1, 31, 33, 127, 400});
+}
+
+TEST_CASE("no bit depends on the order of blocks and threads, nor on the number of devices", "[block][team]") {
+    for (Precision precision : {Precision::single_, Precision::double_}) {
+        const auto expected = block_suite::state_after({emulated(1)}, precision);
+        CHECK(block_suite::state_after({emulated(77)}, precision) == expected);
+        CHECK(block_suite::state_after({emulated(3), emulated(4), emulated(5)}, precision) == expected);
+    }
+}
+
+TEST_CASE("an RVE that does not fit into shared memory gives the same with part of its working memory elsewhere", "[block]") {
+    CHECK(block_suite::state_after({emulated(1, 26000)}, Precision::double_, 2) == block_suite::state_after({emulated(1)}, Precision::double_, 2));
+    block_suite::check_against_plain({emulated(5, 80 * 1024)}, {700});
+}
+
+TEST_CASE("the state of RVEs on a device can be seen, changed, saved and loaded", "[block]") { block_suite::check_that_state_comes_and_goes({emulated()}); }
+
+TEST_CASE("a block whose disc outruns the list is taken again on a fresh one, with the response of a wide list", "[block][neighbours]") {
+    block_suite::check_that_outrun_lists_are_made_anew({emulated()});
+}
+
+TEST_CASE("three RVEs of 400 discs in single precision share the shared memory of a multiprocessor", "[block]") {
+    const BlockSize size{13, 850, 850}; // candidates as in `rve-farm bench`
+    const int threads = block_threads(size.groups, most_warps_in_shared);
+    CHECK(threads == 7 * 32); // 13 groups in two rounds
+    BlockWork<float> work;
+    std::byte* const anywhere = reinterpret_cast<std::byte*>(std::uintptr_t{4096});
+    const auto bytes = work.lay_out<false>(size, false, false, threads, anywhere, 0, anywhere);
+    CHECK(bytes.spread == 0);
+    CHECK(3 * (bytes.shared + 1024) <= 228 * 1024); // compute capability 9.0: 228 KiB, 1 KiB of each block for the system
+}
+
+TEST_CASE("too little memory on a device is refused with the figure needed", "[block][errors]") {
+    EmulatedDevice::Options options;
+    options.memory = 1000000;
+    try {
+        block_suite::farm_on({std::make_shared<EmulatedDevice>(options)}, block_suite::parameters(false, false), {samples::disordered(2000)}, Precision::single_);
+        FAIL("accepted");
+    } catch (const Error& error) {
+        CHECK(error.code() == ExitCode::out_of_resource);
+        CHECK_CONTAINS(error.what(), "1 RVEs of up to 2000 discs need ");
+        CHECK_CONTAINS(error.what(), "has 1 MiB left");
+    }
+}
+
+TEST_CASE("a device lost in mid-run is an error, and what was saved before goes on elsewhere to the same bits", "[block][errors]") {
+    const std::vector<Packing> packings = {samples::disordered(64)};
+    const RveParameters p = block_suite::parameters(true, false);
+    Farm sound = block_suite::farm_on({emulated()}, p, packings, Precision::single_);
+    const auto gpu = std::make_shared<LostDevice>();
+    Farm lost = block_suite::farm_on({gpu}, p, packings, Precision::single_);
+    block_suite::step_all(sound, 1, 1e-3, 100);
+    block_suite::step_all(lost, 1, 1e-3, 100);
+    std::vector<std::byte> saved;
+    lost.save(0, saved);
+    gpu->launches_left = 1;
+    bool failed = false;
+    for (int k = 0; k < 5 && !failed; ++k) try {
+            block_suite::step_all(lost, 1, 1e-3, 100);
+        } catch (const Error& error) {
+            failed = true;
+            CHECK(error.code() == ExitCode::out_of_resource);
+            CHECK_CONTAINS(error.what(), "GPU 0");
+        }
+    REQUIRE(failed);
+    Farm other = block_suite::farm_on({emulated()}, p, packings, Precision::single_);
+    other.load(0, saved);
+    for (Farm* farm : {&sound, &other}) block_suite::step_all(*farm, 1, 1e-3, 100);
+    CHECK(samples::same_bits(sound, 0, other, 0));
+}
+
+TEST_CASE("a machine without a GPU says why, and --backend cuda is refused for lack of a resource", "[block][errors]") {
+    const Gpus gpus = open_gpus();
+    if (!gpus.devices.empty()) return; // what a GPU does: tests/gpu
+    CHECK_FALSE(gpus.reason.empty());
+    FarmOptions options;
+    options.backend = Backend::cuda;
+    try {
+        Farm(RveParameters(), {samples::disordered(9)}, {0}, options);
+        FAIL("accepted");
+    } catch (const Error& error) {
+        CHECK(error.code() == ExitCode::out_of_resource);
+        CHECK_CONTAINS(error.what(), gpus.reason);
+    }
+    options.backend = Backend::automatic;
+    CHECK_FALSE(Farm(RveParameters(), {samples::disordered(9)}, std::vector<int>(200, 0), options).on_gpu());
+}
