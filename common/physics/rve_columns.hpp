@@ -28,12 +28,13 @@ inline const Column work{"work", 1, "J", "done on the RVE by the imposed strain:
 inline const Column cell_area{"cell_area", 1, "m^2", "of the periodic cell"};
 inline const Column void_ratio{"void_ratio", 1, "1", "cell area / area of the discs - 1"};
 inline const Column split_steps{"split_steps", 1, "1", "steps that were repeated in smaller pieces since the start"};
+inline const Column retaken_chunks{"retaken_chunks", 1, "1", "chunks of sub-steps taken again, shorter or on a new list, since the start"};
 
 inline std::vector<Column> requests() { return {displacement_gradient_increment, ice_saturation}; }
 
 inline std::vector<Column> answers() {
     return {stress, status, stiffness, coordination_number, broken_bonds, bonds, stored_energy, kinetic_energy,
-            friction_dissipation, damping_dissipation, bond_dissipation, work, cell_area, void_ratio, split_steps};
+            friction_dissipation, damping_dissipation, bond_dissipation, work, cell_area, void_ratio, split_steps, retaken_chunks};
 }
 
 } // namespace talik::rve_columns

@@ -25,7 +25,8 @@ bool holds(const std::vector<Column>& columns, const Column& wanted) { return st
 
 // What a law that knows no grains is taken to say of them: sums of what did not happen are 0, the rest is not known.
 double silent_answer(const Column& column) {
-    const bool sum = column.unit == "J" || column == rve_columns::status || column == rve_columns::bonds || column == rve_columns::broken_bonds || column == rve_columns::split_steps;
+    const bool sum = column.unit == "J" || column == rve_columns::status || column == rve_columns::bonds || column == rve_columns::broken_bonds || column == rve_columns::split_steps ||
+                     column == rve_columns::retaken_chunks;
     return sum ? 0.0 : std::numeric_limits<double>::quiet_NaN();
 }
 

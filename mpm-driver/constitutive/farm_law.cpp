@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <numeric>
 
@@ -16,6 +17,7 @@
 #include "exchange/checksum.hpp"
 #include "exchange/sealed_file.hpp"
 #include "mpm-driver/constitutive/packing_choice.hpp"
+#include "mpm-driver/points/soundness.hpp"
 
 namespace talik::driver {
 namespace {
@@ -23,9 +25,9 @@ namespace {
 namespace columns_of = rve_columns;
 
 // Answers that the driver only passes on to its output.
-const std::array<Column, 6> reported_columns = {columns_of::coordination_number, columns_of::void_ratio, columns_of::bonds,
-                                                columns_of::broken_bonds, columns_of::work, columns_of::split_steps};
-constexpr std::size_t coordination_column = 0, split_steps_column = 5;
+const std::array<Column, 7> reported_columns = {columns_of::coordination_number, columns_of::void_ratio, columns_of::bonds,
+                                                columns_of::broken_bonds, columns_of::work, columns_of::split_steps, columns_of::retaken_chunks};
+constexpr std::size_t coordination_column = 0, split_steps_column = 5, retaken_chunks_column = 6;
 
 std::vector<Column> asked_for() {
     std::vector<Column> asked = {columns_of::stress, columns_of::status, columns_of::stiffness, columns_of::stored_energy,
@@ -86,10 +88,12 @@ void FarmLaw::begin(std::span<const std::uint32_t> ids, const Points& points, La
             for (std::size_t component = 0; component < row_.size(); ++component) row_[component] = values[component * rves.size() + i];
             if (!record_file_.empty())
                 for (std::size_t component = 0; component < row_.size(); ++component) recorded[component * count + rves[i]] = row_[component];
+            check_numbers(rves[i], row_.data());
             take(rves[i], row_.data(), initial);
         }
     }
     asked_rves_.reserve(count);
+    events_.reserve(3 * static_cast<std::size_t>(count));
     if (!record_file_.empty()) start_recording(recorded);
 }
 
@@ -139,6 +143,7 @@ void FarmLaw::submit(const LawRequest& request, LawAnswer answer) {
     const Timing timing(*this);
     request_ = request;
     out_ = answer;
+    events_.clear();
     step_ = request.step;
     time_ += request.time_increment;
     latest_time_increment_ = request.time_increment;
@@ -177,6 +182,8 @@ void FarmLaw::collect() {
             const std::uint32_t rve = farms_.rves(farm)[ids[row]];
             for (std::size_t component = 0; component < row_.size(); ++component) row_[component] = answer.component(static_cast<int>(component))[row];
             check_status(rve, row_[static_cast<std::size_t>(at_.status)]);
+            if (checks_) check_numbers(rve, row_.data());
+            if (checks_) watch(point_of_rve_[rve], row_.data());
             take(rve, row_.data(), out_);
         }
     }
@@ -191,8 +198,8 @@ void FarmLaw::take(std::uint32_t rve, const double* answer, LawAnswer out) {
     out.p_wave_modulus[point] = answer[at_.stiffness];
     out.energy[point] = {scale * answer[at_.stored], scale * answer[at_.kinetic], scale * answer[at_.friction],
                          scale * answer[at_.damping], scale * answer[at_.bond]};
-    for (std::size_t i = 0; i < reported_columns.size(); ++i)
-        reported_[i][point] = answer[answer_columns_.first_component(answer_columns_.index(reported_columns[i].name))];
+    const double* reported = answer + answer_columns_.components() - reported_columns.size(); // the last that were asked for, a number each
+    for (std::size_t i = 0; i < reported_columns.size(); ++i) reported_[i][point] = reported[i];
 }
 
 void FarmLaw::check_status(std::uint32_t rve, double status) const {
@@ -205,6 +212,31 @@ void FarmLaw::check_status(std::uint32_t rve, double status) const {
     fail(ExitCode::failed,
          fmt::format("the RVE of point {} failed in step {} (after {:.6g} s): {}", point_of_rve_[rve], step_, time_, index < names.size() ? names[index] : "unknown status"),
          "take a smaller rve.time_step or step, or restart from the last checkpoint with gentler loading");
+}
+
+// Whoever answers may be another program: what is no number must not reach the grid.
+void FarmLaw::check_numbers(std::uint32_t rve, const double* answer) const {
+    const int used = answer_columns_.components() - static_cast<int>(reported_columns.size()); // a law may not know what is only reported
+    double sum = 0.0;
+    for (int k = 0; k < used; ++k) sum += poison(answer[k]);
+    if (sum == 0.0) return;
+    for (int column = 0; column < answer_columns_.size(); ++column)
+        for (int k = answer_columns_.first_component(column), c = 0; c < answer_columns_.columns()[static_cast<std::size_t>(column)].components; ++k, ++c)
+            if (k < used && !std::isfinite(answer[k]))
+                fail(ExitCode::failed,
+                     fmt::format("the RVE of point {} answered a {} (component {}) of {} in step {} (after {:.6g} s)", point_of_rve_[rve],
+                                 answer_columns_.columns()[static_cast<std::size_t>(column)].name, c, answer[k], step_, time_),
+                     "mend the program that answers; restart from the last checkpoint");
+}
+
+// Before the answer is taken: what has grown since the last one.
+void FarmLaw::watch(std::uint32_t point, const double* answer) {
+    const double* reported = answer + answer_columns_.components() - reported_columns.size(); // the last that were asked for, a number each
+    const auto now = [&](std::size_t column) { return reported[column]; };
+    const double splits = now(split_steps_column) - reported_[split_steps_column][point], retaken = now(retaken_chunks_column) - reported_[retaken_chunks_column][point];
+    if (splits > 0.0) events_.push_back({Help::extra_sub_steps, point, splits});
+    if (retaken > 0.0) events_.push_back({Help::retaken_chunks, point, retaken});
+    if (now(coordination_column) == 0.0 && reported_[coordination_column][point] > 0.0) events_.push_back({Help::lost_contacts, point, 1.0});
 }
 
 std::int64_t FarmLaw::rves_without_contacts() const {

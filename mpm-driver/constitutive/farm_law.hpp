@@ -32,6 +32,8 @@ public:
     void begin(std::span<const std::uint32_t> ids, const Points& points, LawAnswer initial) override;
     void submit(const LawRequest& request, LawAnswer answer) override;
     void collect() override;
+    std::span<const LawEvent> events() const override { return events_; }
+    void leave_out_checks() { checks_ = false; } // of answers: only for measuring what they cost
     bool activate(const std::string& effect, std::span<const std::uint32_t> points) override;
     void checkpoint(const std::string& folder) override;
     void restore(const std::string& folder) override;
@@ -64,6 +66,8 @@ private:
     class Timing;
     void take(std::uint32_t rve, const double* answer, LawAnswer out);
     void check_status(std::uint32_t rve, double status) const;
+    void check_numbers(std::uint32_t rve, const double* answer) const;
+    void watch(std::uint32_t point, const double* answer);
 
     exchange::FarmGroup farms_;
     exchange::Hello hello_;
@@ -94,6 +98,8 @@ private:
     // The latest of what is only reported: by point of the scene, one column after the other.
     std::vector<std::vector<double>> reported_;
     std::int64_t evaluations_ = 0;
+    std::vector<LawEvent> events_; // room for all that a step can bring
+    bool checks_ = true;
     double copying_ = 0.0, waiting_ = 0.0; // s, of submit() and collect()
 };
 

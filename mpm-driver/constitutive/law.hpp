@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "mpm-driver/points/self_help.hpp"
 #include "mpm-driver/points/points.hpp"
 
 namespace talik::driver {
@@ -29,6 +30,13 @@ struct LawAnswer {
     LawEnergy* energy = nullptr;      // J of the point (an RVE's energies times the point's initial volume over its own)
 };
 
+// Something rough that a law met in the step just collected, and what it did about it (self_help.hpp).
+struct LawEvent {
+    Help help;
+    std::uint32_t point;
+    double amount;
+};
+
 class Law {
 public:
     virtual ~Law() = default;
@@ -39,6 +47,7 @@ public:
 
     virtual void submit(const LawRequest& request, LawAnswer answer) = 0;
     virtual void collect() = 0;
+    virtual std::span<const LawEvent> events() const { return {}; } // of the step collected last
 
     // A named effect of the scene's stages, such as "bonds", in those of `points` that are the law's own. False where the
     // law has no effect of that name.

@@ -10,6 +10,7 @@
 #include "mpm-driver/grid/parallel.hpp"
 #include "mpm-driver/heat/initial_field.hpp"
 #include "mpm-driver/points/kinematics.hpp"
+#include "mpm-driver/points/soundness.hpp"
 
 namespace talik::driver {
 namespace {
@@ -88,6 +89,7 @@ void HeatSolver::show(const Grid& grid, const Supports& supports, Points& points
 }
 
 void HeatSolver::advance(const Grid& grid, const Supports& supports, Points& points, double dt, int substeps, bool moved) {
+    cut_ = 0.0;
     if (moved) moved_nodes_from_points(supports, points);
     held_.update(grid, volume_, clock_.time, moved);
     small_nodes_changed_ = true; // a heater may have been switched
@@ -118,7 +120,7 @@ void HeatSolver::substep(const Grid& grid, const Supports& supports, Points& poi
     clock_.time = end;
     clock_.steps += 1.0;
     invert_nodes();
-    watch_range();
+    watch_range(points);
 }
 
 void HeatSolver::nodes_from_points(const Supports& supports, const Points& points) {
@@ -355,6 +357,7 @@ void HeatSolver::advance_nodes(double dt) {
 // Nodes of points that may have moved: mapped anew, after the points were cut to their neighbours' range.
 void HeatSolver::moved_nodes_from_points(const Supports& supports, Points& points) {
     nodes_from_points(supports, points);
+    if (ordered_sums<1>(nodes_, [&](std::size_t node, std::array<double, 1>& sum) { sum[0] += poison(enthalpy_[node]); })[0] != 0.0) name_what_is_no_number(points);
     if (enthalpy_form_) {
         if (materials_.size() > 1) invert_nodes();
         if (limit_to_neighbours(supports, points)) nodes_from_points(supports, points);
@@ -382,6 +385,7 @@ bool HeatSolver::limit_to_neighbours(const Supports& supports, Points& points) {
         sum[0] += std::abs(excess_[p]);
     })[0];
     if (!(cut > 0.0)) return false;
+    cut_ = cut;
     each(nodes_, [&](std::size_t node) {
         double heat = 0.0;
         supports.each_point_of(node, [&](std::uint32_t p, double phi, const Vector&) { heat += phi * excess_[p]; });
@@ -395,18 +399,21 @@ bool HeatSolver::limit_to_neighbours(const Supports& supports, Points& points) {
     return true;
 }
 
-void HeatSolver::watch_range() {
-    double worst = 0.0; // K
-    for (std::size_t node = 0; node < nodes_; ++node)
+void HeatSolver::watch_range(Points& points) {
+    double worst = 0.0, numbers = 0.0; // K; 0, or none
+    for (std::size_t node = 0; node < nodes_; ++node) {
+        numbers += poison(enthalpy_[node] + temperature_[node]);
         if (volume_[node] > 0.0 && !held_.is_held(node))
             worst = std::max({worst, state_[node].temperature - highest_, lowest_ - state_[node].temperature});
+    }
+    if (numbers != 0.0) name_what_is_no_number(points);
     books_.see_temperature_outside(worst);
 }
 
 // What the nodes have received goes to the points, and what the nodes know of temperature and ice is shown on them.
 void HeatSolver::points_from_nodes(const Supports& supports, Points& points) {
     const bool one = materials_.size() == 1;
-    each(points.count(), [&](std::size_t p) {
+    const auto numbers = ordered_sums<1>(points.count(), [&](std::size_t p, std::array<double, 1>& sum) {
         const std::size_t m = one ? 0 : material_of_body_[static_cast<std::size_t>(points.body[p])];
         double temperature = 0.0, frozen = 0.0, rise = 0.0; // degrees C, -, J/m^3
         supports.each_node_of(p, [&](std::size_t node, double phi, const Vector&) {
@@ -421,7 +428,19 @@ void HeatSolver::points_from_nodes(const Supports& supports, Points& points) {
         }
         points.ice_saturation[p] = materials_[m].ice_saturation(frozen);
         points.ice_fraction[p] = materials_[m].ice_volume(frozen) * points.initial_volume[p] / points.volume[p]; // theta_s, -
+        sum[0] += poison(points.enthalpy[p] + points.ice_fraction[p]);
     });
+    if (numbers[0] != 0.0) name_what_is_no_number(points);
+}
+
+void HeatSolver::name_what_is_no_number(Points& points) const {
+    const std::string when = fmt::format("heat at t = {:.6g} s", clock_.time), remedy = "restart from the last checkpoint; look at what was set there";
+    if (const auto fault = first_not_finite(points.state()))
+        fail(ExitCode::failed, fmt::format("{}: point {} at ({:.4g}, {:.4g}) m: its {}", when, fault->row, points.position[fault->row][0], points.position[fault->row][1], fault->words()), remedy);
+    for (std::size_t node = 0; node < nodes_; ++node)
+        if (!std::isfinite(enthalpy_[node] + temperature_[node]))
+            fail(ExitCode::failed, fmt::format("{}: node {}: its enthalpy is {} J/m3, its temperature {} C", when, node, enthalpy_[node], temperature_[node]), remedy);
+    fail(ExitCode::failed, when + ": a number that is none", remedy);
 }
 
 } // namespace talik::driver

@@ -52,6 +52,7 @@ public:
     void restored(const Grid& grid, const Supports& supports, Points& points); // after state() was filled, of points at rest
 
     HeatLimit limit(const Grid& grid, const Points& points) const;
+    double enthalpy_cut() const { return cut_; }        // J, of moving points by their neighbours' range, in the last advance()
     double interval_of_ice() const;                     // s, within which no point's ice changes by more than heat.ice_step
     double next_switch() const { return held_.next_switch(clock_.time); } // s, of the scene
     std::string describe(const HeatLimit& limit, const Grid& grid) const;
@@ -100,7 +101,8 @@ private:
     void advance_nodes(double dt);
     void points_from_nodes(const Supports& supports, Points& points);
     bool limit_to_neighbours(const Supports& supports, Points& points); // whether anything was cut
-    void watch_range();
+    [[noreturn]] void name_what_is_no_number(Points& points) const;
+    void watch_range(Points& points);
     void note_ice_rate(const Points& points);
     double rate_of_neighbours(int node, int right, int up, bool held) const; // NaN where there is none
     double enthalpy_at_held(std::size_t node) const;
@@ -154,6 +156,7 @@ private:
     std::vector<double> merged_;                 // weight of the small nodes that go with a node
     bool small_nodes_changed_ = true;
     bool any_source_ = false;
+    double cut_ = 0.0; // J
 };
 
 } // namespace talik::driver

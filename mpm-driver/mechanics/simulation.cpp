@@ -7,9 +7,11 @@
 #include <fmt/format.h>
 
 #include "common/base/error.hpp"
+#include "mpm-driver/grid/parallel.hpp"
 #include "mpm-driver/boundary/walls.hpp"
 #include "mpm-driver/mechanics/transfer.hpp"
 #include "mpm-driver/points/seed.hpp"
+#include "mpm-driver/points/soundness.hpp"
 
 namespace talik::driver {
 
@@ -47,13 +49,14 @@ void Simulation::build_schedule() {
     });
     schedule_.add("advance grid", [this] { advance_grid(grid_, dt_); });
     schedule_.add("walls", [this] { constrain_grid(); });
+    schedule_.add("check of numbers", [this] { if (safeguards_) check_numbers(); });
     schedule_.add("strain increments", [this] { strain_increments(grid_, supports_, dt_, points_); });
     if (cell_means_) schedule_.add("volume strain of cells", [this] { cell_means_->average_volume_strain(points_); });
     if (phase_change_strain_) schedule_.add("strain of phase change", [this] { phase_change_strain_->subtract(points_); });
     schedule_.add("ask laws", [this] { submit_to_laws(); });
     schedule_.add("grid to points", [this] { move_points(); });
     schedule_.add("wait for laws", [this] { collect_from_laws(); });
-    schedule_.add("deformation", [this] { update_deformation(points_, steps_done() + 1, time()); });
+    schedule_.add("deformation", [this] { update_deformation(points_, steps_done() + 1, time(), [this] { return hint_of_step(); }); });
     schedule_.add("ledger", [this] { book_step(); });
 }
 
@@ -101,7 +104,8 @@ double Simulation::next_step() const {
     return step > remaining * (1.0 - 1e-9) ? remaining : step;
 }
 
-void Simulation::check_step(double dt) const {
+void Simulation::check_step(double dt) {
+    if (!safeguards_) return;
     const ExitCode code = steps_done() == 0 ? ExitCode::bad_input : ExitCode::failed;
     if (!mechanics()) { // with mechanics, heat takes sub-steps of its own
         const HeatLimit limit = heat_->limit(grid_, points_);
@@ -110,9 +114,14 @@ void Simulation::check_step(double dt) const {
              fmt::format("use step = \"auto\", or at most {:.3g} s", limit.automatic));
     }
     const StepLimit limit = stable_step();
+    if (std::isnan(limit.step) || std::isnan(dt)) name_what_is_no_number();
+    if (clock_.first_limit == 0.0) clock_.first_limit = limit.step;
+    if (scene_.step.fixed && dt > limit.safe_step) clock_.unsafe_steps += 1.0;
+    if (!scene_.step.fixed && limit.step < 0.5 * clock_.first_limit) note(Help::smaller_step, clock_.first_limit / limit.step, limit.point);
     if (!(dt <= limit.step))
         fail(code,
-             fmt::format("the step of {:.4g} s is beyond the largest stable one, {}", dt, describe(limit, grid_.cell())),
+             fmt::format("the step of {:.4g} s is beyond the largest stable one, {}{}", dt, describe(limit, grid_.cell()),
+                         steps_done() == 0 ? "" : fmt::format(", in step {} at t = {:.6g} s", steps_done() + 1, time())),
              fmt::format("use step = \"auto\", or at most {:.3g} s", 0.5 * std::min(limit.step, limit.surface_step)));
 }
 
@@ -140,6 +149,9 @@ void Simulation::advance_heat() {
         if (clock_.pending_heat + dt_ <= std::min(allowed, heat_->interval_of_ice()) && remaining > 0.5 * dt_ && !switches) return;
         const int substeps = std::max(1, static_cast<int>(std::ceil(clock_.pending_heat / allowed * (1.0 - 1e-9))));
         heat_->advance(grid_, supports_, points_, clock_.pending_heat, substeps, true);
+        if (substeps > 1) note(Help::heat_sub_steps, substeps);
+        if (heat_->enthalpy_cut() > 0.0) note(Help::cut_enthalpy, heat_->enthalpy_cut());
+        if (substeps == 1 && heat_->interval_of_ice() < allowed) note(Help::shorter_heat_steps, 1.0);
     }
     clock_.pending_heat = 0.0;
 }
@@ -179,17 +191,55 @@ void Simulation::move_points() {
     point_books_ = grid_to_points(grid_, supports_, {stage.pic, stage.particle_damping, stage.grid_damping}, dt_, points_);
     for (std::size_t p = 0; p < points_.count(); ++p) {
         const Vector& x = points_.position[p];
+        if (!x.allFinite()) name_what_is_no_number();
         if (!grid_.inside_domain(x))
             fail(ExitCode::failed,
                  fmt::format("point {} of body '{}' leaves the domain at ({:.4g}, {:.4g}) m in step {} at t = {:.6g} s, with velocity ({:.3g}, {:.3g}) m/s",
                              p, scene_.bodies[points_.body[p]].name, x[0], x[1], steps_done() + 1, time(), points_.velocity[p][0],
                              points_.velocity[p][1]),
-                 "enlarge the domain, add a wall, or look for an instability in the fields before it");
+                 "enlarge the domain, add a wall, or look for an instability in the fields before it" + hint_of_step());
     }
 }
 
+void Simulation::note(Help help, double amount, std::optional<std::uint32_t> point) {
+    self_help_.note(help, {clock_.time, steps_done() + 1}, amount, point, point ? points_.position[*point] : Vector::Zero());
+}
+
+// A fixed step that may be the cause.
+std::string Simulation::hint_of_step() const {
+    if (clock_.unsafe_steps == 0.0) return "";
+    return fmt::format("; {:.0f} steps were longer than the {:.3g} s that is stable wherever points lie: step = \"auto\" heeds free surfaces", clock_.unsafe_steps, stable_step().safe_step);
+}
+
+// After the grid has been advanced and before a point is touched: what is no number in a point's state has reached its nodes.
+void Simulation::check_numbers() {
+    const auto sum = ordered_sums<1>(grid_.mass.size(), [&](std::size_t node, std::array<double, 1>& numbers) {
+        numbers[0] += poison(grid_.mass[node] + grid_.velocity[node][0]) + poison(grid_.velocity[node][1] + grid_.force[node][0] + grid_.force[node][1]);
+    })[0];
+    if (sum != 0.0) name_what_is_no_number();
+}
+
+void Simulation::name_what_is_no_number() {
+    const std::string when = fmt::format("in step {} at t = {:.6g} s", steps_done() + 1, time());
+    const std::string remedy = "restart from the last checkpoint; look at what was set there, and at the fields before it" + hint_of_step();
+    if (const auto fault = first_not_finite(points_.state())) {
+        const Vector& x = points_.position[fault->row];
+        fail(ExitCode::failed, fmt::format("point {} of body '{}' at ({:.4g}, {:.4g}) m: its {} {}", fault->row, scene_.bodies[points_.body[fault->row]].name, x[0], x[1], fault->words(), when), remedy);
+    }
+    for (int node = 0; node < grid_.node_count(); ++node) {
+        const auto n = static_cast<std::size_t>(node);
+        const Vector x = grid_.node_position(node);
+        const char* field = !std::isfinite(grid_.mass[n]) ? "mass" : !grid_.force[n].allFinite() ? "force" : !grid_.velocity[n].allFinite() ? "velocity" : nullptr;
+        if (field) fail(ExitCode::failed, fmt::format("node {} at ({:.4g}, {:.4g}) m: its {} is no number {}", node, x[0], x[1], field, when), remedy);
+    }
+    fail(ExitCode::failed, "a number that is none " + when, remedy);
+}
+
 void Simulation::collect_from_laws() {
-    for (LawPoints& group : law_points_) group.law->collect();
+    for (LawPoints& group : law_points_) {
+        group.law->collect();
+        for (const LawEvent& event : group.law->events()) note(event.help, event.amount, event.point);
+    }
 }
 
 void Simulation::book_step() {
@@ -201,6 +251,7 @@ void Simulation::book_step() {
     }
     ledger_.book_grid(grid_, dt_, scene_.confining_pressure, gravity_, walls_, prescribed_.has_value());
     ledger_.book_points(points_, point_books_, point_work_);
+    if (poison(ledger_.kinetic + point_work_ + ledger_.law_energy) != 0.0) name_what_is_no_number();
 }
 
 std::vector<StateColumn> Simulation::state() {
@@ -211,8 +262,9 @@ std::vector<StateColumn> Simulation::state() {
     append({{"stages", "-", "kinetic energy over internal work of the stages that ended before they came to rest; 0 = none", {""}, unrest_.data(), unrest_.size()}});
     if (heat_) append(heat_->state());
     if (phase_change_strain_) append(phase_change_strain_->state());
-    append({{"clock", "SI", "time s, steps, stage, start of the stage s, internal work J and gravity m/s2 at that start, steps at rest, heat yet to come s",
-             {"time", "step", "stage", "stage_start", "internal_work_at_stage_start", "gravity_x", "gravity_y", "steps_at_rest", "pending_heat"}, &clock_.time, 1}});
+    append(self_help_.state());
+    append({{"clock", "SI", "time s, steps, stage, start of the stage s, internal work J and gravity m/s2 at that start, steps at rest, heat yet to come s, first limit of the step s, fixed steps beyond the safe one",
+             {"time", "step", "stage", "stage_start", "internal_work_at_stage_start", "gravity_x", "gravity_y", "steps_at_rest", "pending_heat", "first_limit", "unsafe_steps"}, &clock_.time, 1}});
     return columns;
 }
 

@@ -26,6 +26,7 @@
 #include "mpm-driver/mechanics/supports.hpp"
 #include "mpm-driver/mechanics/transfer.hpp"
 #include "mpm-driver/points/points.hpp"
+#include "mpm-driver/points/self_help.hpp"
 
 namespace talik::driver {
 
@@ -54,7 +55,9 @@ public:
     const Points& points() const { return points_; }
     Points& points() { return points_; } // for initial conditions beyond what a scene says
     const std::vector<Wall>& walls() const { return walls_; }
-    std::vector<std::string> warnings() const; // of stages that ended before they came to rest, also before a restart
+    std::vector<std::string> warnings() const; // of steps beyond the safe one, and of stages that ended before they came to rest, also before a restart
+    const SelfHelp& self_help() const { return self_help_; }
+    void leave_out_safeguards() { safeguards_ = false; } // tests, and the measurement of what they cost
     const Ledger& ledger() const { return ledger_; }
     bool mechanics() const { return points_.mechanical; } // else heat alone
     const HeatSolver* heat() const { return heat_.get(); } // null where the scene has none
@@ -76,6 +79,7 @@ private:
         double gravity_x = 0.0, gravity_y = 0.0; // when the stage began, m/s^2: a ramp starts from it
         double steps_at_rest = 0.0;              // in a row, up to now
         double pending_heat = 0.0;               // s, that heat has yet to go on by
+        double first_limit = 0.0, unsafe_steps = 0.0; // s, Eq. (42) at the first step; fixed steps beyond the safe one
     };
     struct LawPoints {
         Law* law;
@@ -84,7 +88,11 @@ private:
 
     void build_schedule();
     void advance_heat();
-    void check_step(double dt) const;
+    void check_step(double dt);
+    void check_numbers();
+    [[noreturn]] void name_what_is_no_number();
+    void note(Help help, double amount, std::optional<std::uint32_t> point = {});
+    std::string hint_of_step() const;
     void begin_laws();
     LawAnswer answer_columns();
     void enter_stage();
@@ -117,6 +125,9 @@ private:
     Ledger ledger_;
     Clock clock_;
     std::vector<double> unrest_; // by stage: kinetic energy over internal work where it ended before rest; 0 = at rest, or not asked
+
+    SelfHelp self_help_;
+    bool safeguards_ = true;
 
     // Of the present step.
     double dt_ = 0.0;         // s

@@ -79,6 +79,9 @@ void Simulation::leave_stage_when_done() {
 
 std::vector<std::string> Simulation::warnings() const {
     std::vector<std::string> out;
+    if (clock_.unsafe_steps > 0.0)
+        out.push_back(fmt::format("{:.0f} of {} steps were beyond the one that is stable wherever points lie in their cells: without damping, free surfaces may vibrate; step = \"auto\" heeds them",
+                                  clock_.unsafe_steps, steps_done()));
     for (std::size_t k = 0; k < unrest_.size(); ++k)
         if (unrest_[k] > 0.0)
             out.push_back(fmt::format("stage \"{}\" ended at its latest time before it came to rest: kinetic energy is {:.2g} of its internal work, asked for were {:.2g}",

@@ -11,6 +11,7 @@ namespace talik::driver {
 
 struct StepLimit {
     double step = 0.0;           // Eq. (42), s: a larger one is refused
+    double safe_step = 0.0;      // s: never unstable, wherever points lie in their cells; a fixed step beyond it is warned of
     double surface_step = 0.0;   // 2 sqrt(h l_p) / (c + |v|), s: the steps of "auto" are cut at safety times this, too
     std::uint32_t point = 0;     // that sets it
     double wave_speed = 0.0;     // c = sqrt(M / rho) there, m/s

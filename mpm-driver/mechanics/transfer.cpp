@@ -91,16 +91,16 @@ PointUpdateBooks grid_to_points(const Grid& grid, const Supports& supports, cons
     return {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], {sums[6], sums[7]}, {sums[8], sums[9]}};
 }
 
-void update_deformation(Points& points, std::int64_t step, double time) {
+void update_deformation(Points& points, std::int64_t step, double time, const std::function<std::string()>& hint) {
     for (std::size_t p = 0; p < points.count(); ++p) {
         // To first order the step maps a line element by I + dt L; where that turns the material inside out, the
         // velocity field is no longer one. Written so that a NaN is caught.
         const double ratio = (Matrix::Identity() + points.displacement_gradient_increment[p]).determinant();
-        if (!(ratio > 0.0))
+        if (!(ratio > 0.0)) // numbers that are none were found before
             fail(ExitCode::failed,
                  fmt::format("point {} at ({:.4g}, {:.4g}) m is turned inside out in step {} at t = {:.6g} s: the step changes its volume by a factor {:.3g}",
                              p, points.position[p][0], points.position[p][1], step, time, ratio),
-                 "use a smaller step, more damping, or look at the fields before it");
+                 "use a smaller step, more damping, or look at the fields before it" + hint());
     }
     each(points.count(), [&](std::size_t p) {
         points.deformation[p] = exponential(points.displacement_gradient_increment[p]) * points.deformation[p];

@@ -1,5 +1,7 @@
 #pragma once
 // Points to grid, forces, and back: the method itself, uGIMP with lumped mass. Eqs. (17)-(23), (26), (34), (35).
+#include <functional>
+#include <string>
 #include <cstdint>
 
 #include "mpm-driver/app/scene.hpp"
@@ -40,7 +42,8 @@ struct PointUpdateBooks {
 // New velocities and positions of the points.
 PointUpdateBooks grid_to_points(const Grid& grid, const Supports& supports, const TransferRates& rates, double dt, Points& points);
 
-// F <- exp(dt L) F and V = det(F) V_0, as the RVEs' cells deform. A point turned inside out is named and stops the run.
-void update_deformation(Points& points, std::int64_t step, double time);
+// F <- exp(dt L) F and V = det(F) V_0, as the RVEs' cells deform. A point turned inside out is named and stops the run;
+// hint: what else the user is told to do then.
+void update_deformation(Points& points, std::int64_t step, double time, const std::function<std::string()>& hint);
 
 } // namespace talik::driver

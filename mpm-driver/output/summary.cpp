@@ -26,6 +26,27 @@ bool scene_has_power(const HeatSpec& heat) {
     return !heat.sources.empty() || std::any_of(heat.boundaries.begin(), heat.boundaries.end(), [](const HeatBoundarySpec& b) { return b.kind == "flux"; });
 }
 
+Json self_help(const SelfHelp& help) {
+    Json json;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(Help::count); ++k) {
+        const HelpKind& kind = kind_of(static_cast<Help>(k));
+        const SelfHelp::Record& r = help.record(static_cast<Help>(k));
+        Json row = {{"count", static_cast<std::int64_t>(r.count)}, {"meaning", kind.meaning}};
+        const auto moment = [](double time, double step, double point, double x, double y) {
+            Json m = {{"time_s", time}, {"step", static_cast<std::int64_t>(step)}};
+            if (point >= 0.0) m["point"] = static_cast<std::int64_t>(point), m["position_m"] = {x, y};
+            return m;
+        };
+        if (r.count > 0.0) {
+            row["first"] = moment(r.first_time, r.first_step, r.first_point, r.first_x, r.first_y);
+            row["last"] = moment(r.last_time, r.last_step, r.last_point, r.last_x, r.last_y);
+            row["largest_amount"] = r.most;
+        }
+        json[kind.name] = row;
+    }
+    return json;
+}
+
 } // namespace
 
 Effects effects_of(const Scene& scene) {
@@ -92,6 +113,7 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
     }
     json["rve_evaluations"] = {{"asked", facts.evaluations_asked}, {"done", facts.evaluations_done}, {"avoided", Json::object()}};
     json["rve_split_steps"] = facts.split_steps;
+    json["self_help"] = self_help(simulation.self_help());
     json["dem_time_step_s"] = facts.dem_time_step;
     json["mean_time_step_s"] = simulation.steps_done() > 0 ? simulation.time() / static_cast<double>(simulation.steps_done()) : 0.0;
     // Time that the RVEs lived through over that of the driver: 1, since sub-steps add up to their macro step.
@@ -149,6 +171,10 @@ std::string summary_table(const Simulation& simulation, const RunFacts& facts) {
                                 scene_has_power(*simulation.scene().heat) ? ", which sources and fluxes may cause" : ""));
     }
     if (simulation.mechanics()) row("balance errors", fmt::format("mass {:.1e}, momentum {:.1e}, energy {:.1e}; numerical loss {:.1e} of the input work", ledger.mass_error(), ledger.momentum_error(), ledger.energy_error(), ledger.numerical_loss()));
+    std::string helped;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(Help::count); ++k)
+        if (const double count = simulation.self_help().record(static_cast<Help>(k)).count; count > 0.0) helped += fmt::format("{}{} {:.0f}", helped.empty() ? "" : ", ", kind_of(static_cast<Help>(k)).name, count);
+    if (!helped.empty()) row("helped itself", helped + " (summary.json: self_help)");
     for (const auto& warning : facts.warnings) row("warning", warning);
     return text;
 }

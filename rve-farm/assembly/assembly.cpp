@@ -56,10 +56,13 @@ void check(const Packing& packing, const RveParameters& parameters) {
     for (const auto* column : {&packing.velocity_x, &packing.velocity_y, &packing.spin})
         require(column->empty() || column->size() == discs, "the packing's columns differ in length",
                 "give velocities for every disc, or for none");
-    bool meaningful = packing.cell.determinant() > 0;
+    bool meaningful = packing.cell.determinant() > 0 && packing.cell.allFinite();
     for (std::size_t i = 0; i < discs; ++i)
         meaningful = meaningful && packing.radius[i] > 0 && std::isfinite(packing.x[i] + packing.y[i] + packing.radius[i]);
-    require(meaningful, "the packing has a radius that is not positive, a cell turned inside out, or numbers that are none",
+    for (const auto* column : {&packing.velocity_x, &packing.velocity_y, &packing.spin})
+        for (double value : *column) meaningful = meaningful && std::isfinite(value);
+    for (const PackedContact& contact : packing.contacts) meaningful = meaningful && std::isfinite(contact.tangential_force);
+    require(meaningful, "the packing has a radius that is not positive, a cell turned inside out, or numbers that are none (positions, radii, velocities, forces)",
             "columns of the cell matrix are the basis vectors, counter-clockwise");
     const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); };
     require(same(packing.thickness, parameters.thickness),

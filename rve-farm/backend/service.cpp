@@ -1,6 +1,7 @@
 #include "rve-farm/backend/service.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <numeric>
@@ -24,26 +25,43 @@ std::string kernel_in_words(const Farm& farm) {
     return std::string(name_of(farm.kernel().precision)) + " precision, " + (farm.on_gpu() ? "cuda" : name_of(farm.kernel().level));
 }
 
-using Reader = double (*)(const Answer&);
+// The first column of an RVE that holds a NaN or an infinite number; empty where all are sound.
+std::string what_is_no_number(const Assembly& rve) {
+    std::string found;
+    AssemblyView view = rve.view();
+    for_each_column(view, rve.columns(), [&](const char* name, const char*, Extent extent, auto*& column, bool present) {
+        if (!present || !found.empty()) return;
+        double sum = 0;
+        for (int i = 0; i < entries(rve.numbers(), extent); ++i) sum += 0.0 * static_cast<double>(column[i]);
+        if (!(sum == 0)) found = name;
+    });
+    const AssemblyNumbers& n = rve.numbers();
+    const double cell = n.cell_xx * n.cell_yy - n.cell_xy * n.cell_yx;
+    if (found.empty() && !(std::isfinite(cell + n.frame_angle + n.skin + n.work) && cell > 0)) found = "cell";
+    return found;
+}
+
+using Reader = double (*)(const Answer&, const AssemblyNumbers&);
 
 // How each column the farm offers is read from an answer: one row per column, one reader per component.
 const std::map<std::string, std::vector<Reader>>& readers() {
     static const std::map<std::string, std::vector<Reader>> table = {
-        {"stress", {[](const Answer& a) { return a.stress[0]; }, [](const Answer& a) { return a.stress[1]; }, [](const Answer& a) { return a.stress[2]; }}},
-        {"status", {[](const Answer& a) { return static_cast<double>(a.status); }}},
-        {"stiffness", {[](const Answer& a) { return a.stiffness; }}},
-        {"coordination_number", {[](const Answer& a) { return a.coordination_number; }}},
-        {"broken_bonds", {[](const Answer& a) { return static_cast<double>(a.broken_bonds); }}},
-        {"bonds", {[](const Answer& a) { return static_cast<double>(a.bonds); }}},
-        {"stored_energy", {[](const Answer& a) { return a.stored_energy; }}},
-        {"kinetic_energy", {[](const Answer& a) { return a.kinetic_energy; }}},
-        {"friction_dissipation", {[](const Answer& a) { return a.friction_dissipation; }}},
-        {"damping_dissipation", {[](const Answer& a) { return a.damping_dissipation; }}},
-        {"bond_dissipation", {[](const Answer& a) { return a.bond_dissipation; }}},
-        {"work", {[](const Answer& a) { return a.work; }}},
-        {"cell_area", {[](const Answer& a) { return a.cell_area; }}},
-        {"void_ratio", {[](const Answer& a) { return a.void_ratio; }}},
-        {"split_steps", {[](const Answer& a) { return static_cast<double>(a.split_steps); }}},
+        {"stress", {[](const Answer& a, const AssemblyNumbers&) { return a.stress[0]; }, [](const Answer& a, const AssemblyNumbers&) { return a.stress[1]; }, [](const Answer& a, const AssemblyNumbers&) { return a.stress[2]; }}},
+        {"status", {[](const Answer& a, const AssemblyNumbers&) { return static_cast<double>(a.status); }}},
+        {"stiffness", {[](const Answer& a, const AssemblyNumbers&) { return a.stiffness; }}},
+        {"coordination_number", {[](const Answer& a, const AssemblyNumbers&) { return a.coordination_number; }}},
+        {"broken_bonds", {[](const Answer& a, const AssemblyNumbers&) { return static_cast<double>(a.broken_bonds); }}},
+        {"bonds", {[](const Answer& a, const AssemblyNumbers&) { return static_cast<double>(a.bonds); }}},
+        {"stored_energy", {[](const Answer& a, const AssemblyNumbers&) { return a.stored_energy; }}},
+        {"kinetic_energy", {[](const Answer& a, const AssemblyNumbers&) { return a.kinetic_energy; }}},
+        {"friction_dissipation", {[](const Answer& a, const AssemblyNumbers&) { return a.friction_dissipation; }}},
+        {"damping_dissipation", {[](const Answer& a, const AssemblyNumbers&) { return a.damping_dissipation; }}},
+        {"bond_dissipation", {[](const Answer& a, const AssemblyNumbers&) { return a.bond_dissipation; }}},
+        {"work", {[](const Answer& a, const AssemblyNumbers&) { return a.work; }}},
+        {"cell_area", {[](const Answer& a, const AssemblyNumbers&) { return a.cell_area; }}},
+        {"void_ratio", {[](const Answer& a, const AssemblyNumbers&) { return a.void_ratio; }}},
+        {"split_steps", {[](const Answer& a, const AssemblyNumbers&) { return static_cast<double>(a.split_steps); }}},
+        {"retaken_chunks", {[](const Answer&, const AssemblyNumbers& n) { return static_cast<double>(n.retaken_chunks); }}},
     };
     return table;
 }
@@ -84,7 +102,7 @@ std::vector<std::byte> Service::configure(std::span<const std::byte> payload, ex
     for (std::size_t id = 0; id < count; ++id) {
         const Answer now = farm_->measure(static_cast<int>(id));
         for (std::size_t component = 0; component < readers_.size(); ++component)
-            initial[component * count + id] = readers_[component](now);
+            initial[component * count + id] = readers_[component](now, farm_->assembly(static_cast<int>(id)).numbers());
         progress.advance_progress(id + 1, count);
     }
     ByteWriter out;
@@ -123,7 +141,7 @@ void Service::answer(const exchange::Batch& request, exchange::Batch& answer, ex
     for (const std::uint32_t id : ids_) costs_[id] += seconds / static_cast<double>(count);
     for (std::size_t component = 0; component < readers_.size(); ++component) {
         const auto column = answer.component(static_cast<int>(component));
-        for (std::size_t i = 0; i < count; ++i) column[static_cast<std::size_t>(rows_[i])] = readers_[component](answers_[i]);
+        for (std::size_t i = 0; i < count; ++i) column[static_cast<std::size_t>(rows_[i])] = readers_[component](answers_[i], farm().assembly(static_cast<int>(ids_[i])).numbers());
     }
     memory_.remember(request, answer, rows_);
 }
@@ -229,6 +247,8 @@ std::size_t Service::restore_from(const std::string& path, std::vector<std::uint
         sound(found[own->second] == 0);
         found[own->second] = 1;
         sound(farm().load(static_cast<int>(own->second), state) == state.size());
+        const std::string column = what_is_no_number(farm().assembly(static_cast<int>(own->second)));
+        if (!column.empty()) throw Error(ExitCode::bad_input, path, "the RVE " + std::to_string(ids[there]) + " holds a number that is none, in its column " + column, "restart from another checkpoint");
         memory_.take(static_cast<std::uint32_t>(own->second), remembered, static_cast<std::uint32_t>(there));
         ++taken;
     }

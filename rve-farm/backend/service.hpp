@@ -32,7 +32,7 @@ private:
     FarmOptions options_;
     bool books_energies_ = true;
     exchange::ColumnTable request_columns_, answer_columns_;
-    std::vector<double (*)(const Answer&)> readers_; // of each component of the agreed answer columns
+    std::vector<double (*)(const Answer&, const AssemblyNumbers&)> readers_; // of each component of the agreed answer columns
     std::optional<Farm> farm_;
     std::vector<std::uint32_t> run_ids_; // of each RVE of this farm, in the run
     std::vector<double> costs_;          // s, of each RVE
