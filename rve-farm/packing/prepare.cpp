@@ -22,7 +22,7 @@ constexpr double loosest_start = 1.0;     // void ratio of the random discs
 constexpr int most_draws = 40;            // of discs, per packing
 constexpr double start_above = 4e-3;      // void ratio: compaction aims above the target by this
 constexpr double steps_of_lowering = 2000; // macro steps in which the friction would be lowered to 0
-constexpr long most_macro_steps = 400000; // of ten sub-steps, per packing: ten times what a hard one needs
+constexpr long least_steps_allowed = 400000; // macro steps of ten sub-steps, per packing: ten times what a hard one needs under 100 kPa
 constexpr long steps_of_a_note = 500;     // macro steps between two notes on the search
 constexpr Equilibrium nearly{.stress_error = 1e-2, .unbalanced_force = 1e-2};
 
@@ -35,6 +35,11 @@ double friction_guess(double void_ratio) {
         if (void_ratio <= table[i][0])
             return table[i - 1][1] + (table[i][1] - table[i - 1][1]) * (void_ratio - table[i - 1][0]) / (table[i][0] - table[i - 1][0]);
     return 1.0;
+}
+
+// Under a small pressure compaction is slow: then as many as all draws take, and half as many again for coming to rest.
+long steps_allowed(const RveSpec& spec) {
+    return std::max(least_steps_allowed, static_cast<long>(1.5 * most_draws * Press::steps_of_compaction(spec, loosest_start, spec.packing.void_ratio)));
 }
 
 // The search for one packing. Each draw of discs is compacted under a friction that should leave it a little above the
@@ -124,7 +129,7 @@ private:
     }
 
     [[noreturn]] void out_of_reach() {
-        steps_left_ = most_macro_steps; // for the ends of the range
+        steps_left_ = steps_allowed(spec_); // for the ends of the range
         const double least = least_ ? *least_ : void_ratio_under(0.0), most = most_ ? *most_ : void_ratio_under(final_friction());
         if (least <= target_ && target_ <= most)
             throw Error(ExitCode::bad_input, "rve.packing.void_ratio_tolerance",
@@ -139,14 +144,14 @@ private:
     [[noreturn]] void give_up(const StepsSpent& reached) const {
         throw Error(ExitCode::bad_input, "rve.packing",
                     fmt::format("no packing of void ratio {:g} within {} sub-steps (seed {}, draw {}): it stands at void ratio {:.4f}, {:.2g} % from the pressure, with an unbalanced force of {:.2g}", target_,
-                                10 * most_macro_steps, seed_, draw_ + 1, reached.void_ratio, 100.0 * reached.stress_error, reached.unbalanced_force),
+                                10 * steps_allowed(spec_), seed_, draw_ + 1, reached.void_ratio, 100.0 * reached.stress_error, reached.unbalanced_force),
                     "take a wider void_ratio_tolerance or another void_ratio, sizes closer together, or a larger ratio of pressure times thickness to normal_stiffness");
     }
 
     const RveSpec& spec_;
     std::uint64_t seed_;
     const Note& note_;
-    long steps_left_ = most_macro_steps;
+    long steps_left_ = steps_allowed(spec_);
     int draw_ = 0;
     double target_;
     double shift_;                       // compaction aims at target + shift

@@ -63,6 +63,10 @@ Press::Press(const RveSpec& spec, const Packing& start, double friction, long* s
       farm_(of_preparation(spec, friction, sub_step_), {start}, {0}, one_thread()),
       servo_(isotropic(pressure_), compaction_rate(spec)), state_(farm_.measure(0)) {}
 
+double Press::steps_of_compaction(const RveSpec& spec, double from, double to) {
+    return 0.5 * std::log((1.0 + from) / (1.0 + to)) / (compaction_rate(spec) * sub_steps * sub_step_of(spec)); // both directions shrink
+}
+
 void Press::compress_laterally_held(double vertical_stress) {
     pressure_ = vertical_stress;
     servo_.set_targets({ComponentTarget::rate(0.0), ComponentTarget::stress(-vertical_stress), ComponentTarget::stress(0.0)});

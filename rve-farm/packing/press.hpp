@@ -25,6 +25,10 @@ public:
     // steps_left: macro steps allowed, shared by all presses of one search; null = no limit.
     Press(const RveSpec& spec, const Packing& start, double friction, long* steps_left = nullptr);
 
+    // Macro steps of the mere compaction from one void ratio to another: the less the pressure the more, since it goes as slowly
+    // as the discs are pressed.
+    static double steps_of_compaction(const RveSpec& spec, double from, double to);
+
     void step();                              // one macro step
     bool settle(const Equilibrium& wanted);   // false: not within a strain of some hundred per cent
     // From now on: vertical stress held, lateral strain 0. The shear stress is held at 0, which by symmetry it is in level

@@ -51,6 +51,16 @@ def expect(process, code, words, what):
         sys.exit(f"exit code {process.returncode} where {code} is due, one line with \"{words}\":\n{out}")
 
 
+def signed(path):
+    end = time.monotonic() + 10
+    while time.monotonic() < end:
+        with open(path, "rb") as file:
+            if any(file.read(8)):
+                return
+        time.sleep(0.01)
+    raise SystemExit(f"{path} was not signed within 10 s")
+
+
 def appears(path):
     end = time.monotonic() + 30
     while not os.path.exists(path) and time.monotonic() < end:
@@ -79,6 +89,7 @@ try:
 
     killed = driver(f"shm:{name}")
     appears(f"/dev/shm/talik-{name}")
+    signed(f"/dev/shm/talik-{name}")  # one that is not is taken for new, for ten seconds
     killed.send_signal(signal.SIGKILL)
     killed.communicate()
     second = farm(f"shm:{name}")
