@@ -23,6 +23,7 @@ constexpr int most_draws = 40;            // of discs, per packing
 constexpr double start_above = 4e-3;      // void ratio: compaction aims above the target by this
 constexpr double steps_of_lowering = 2000; // macro steps in which the friction would be lowered to 0
 constexpr long least_steps_allowed = 400000; // macro steps of ten sub-steps, per packing: ten times what a hard one needs under 100 kPa
+constexpr long most_steps_allowed = 4 * least_steps_allowed;
 constexpr long steps_of_a_note = 500;     // macro steps between two notes on the search
 constexpr Equilibrium nearly{.stress_error = 1e-2, .unbalanced_force = 1e-2};
 
@@ -37,9 +38,10 @@ double friction_guess(double void_ratio) {
     return 1.0;
 }
 
-// Under a small pressure compaction is slow: then as many as all draws take, and half as many again for coming to rest.
+// Under a small pressure compaction is slow: then as many as all draws take, and half as many again for coming to rest, within limits.
 long steps_allowed(const RveSpec& spec) {
-    return std::max(least_steps_allowed, static_cast<long>(1.5 * most_draws * Press::steps_of_compaction(spec, loosest_start, spec.packing.void_ratio)));
+    const double of_all_draws = 1.5 * most_draws * Press::steps_of_compaction(spec, loosest_start, spec.packing.void_ratio);
+    return static_cast<long>(std::clamp(of_all_draws, 1.0 * least_steps_allowed, 1.0 * most_steps_allowed));
 }
 
 // The search for one packing. Each draw of discs is compacted under a friction that should leave it a little above the

@@ -125,7 +125,7 @@ TEST_CASE("a packing that does not come to rest is given up after a bounded numb
     spec.packing.discs = 4;
     spec.packing.pressure = 1e-2; // compaction takes sqrt(k_n / (p t)) times the sub-steps: 3000 times those at 100 kPa
     const std::string problem = problem_of(spec);
-    CHECK_CONTAINS(problem, "no packing of void ratio 0.2 within 4000000 sub-steps (seed 1, draw ");
+    CHECK_CONTAINS(problem, "no packing of void ratio 0.2 within 16000000 sub-steps (seed 1, draw ");
     CHECK_CONTAINS(problem, "with an unbalanced force of");
 }
 
