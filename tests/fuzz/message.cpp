@@ -30,6 +30,8 @@ public:
     bool partner_wishes_to_end() const noexcept override { return false; }
 
 protected:
+    void nap(const Ready&, std::chrono::milliseconds) override { fail(ExitCode::partner_lost, "the tape ends", "none"); } // nothing more will come
+    PartnerView look() override { return {}; }
     std::size_t room() const override { return std::size_t(1) << 30; }
     std::size_t available() const override { return bytes_.size() - at_; }
     void write(std::span<const std::byte>) override {}
