@@ -48,7 +48,7 @@ LaunchedProcess::LaunchedProcess(const std::vector<std::string>& arguments, Inte
     sigset_t own, held, during_launch;
     sigemptyset(&held);
     if (interrupts == Interrupts::held)
-        for (int signal : {SIGINT, SIGHUP}) sigaddset(&held, signal);
+        for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) sigaddset(&held, signal);
     sigfillset(&during_launch); // between fork and become() the child has this process's handlers, which would swallow them
     pthread_sigmask(SIG_SETMASK, &during_launch, &own);
     pid_ = fork();

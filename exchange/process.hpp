@@ -7,8 +7,9 @@
 
 namespace talik::exchange {
 
-// Ctrl-C reaches every process of the terminal. A program that ends in order at it would die of it between its exec and the
-// moment its handlers stand: `held` keeps SIGINT and SIGHUP back until it calls watch_interrupts().
+// Ctrl-C reaches every process of the terminal, SIGTERM of a batch system every process of the job. A program that ends in order
+// at them would die of them between its exec and the moment its handlers stand: `held` keeps all four signals of
+// watch_interrupts() back until it is called.
 enum class Interrupts { at_once, held };
 
 class LaunchedProcess {

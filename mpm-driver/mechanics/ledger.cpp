@@ -37,6 +37,7 @@ void Ledger::open(const Points& points) {
         initial_mass += points.mass[p];
         if (!points.mechanical) continue;
         initial_momentum += points.mass[p] * points.velocity[p];
+        impulse_scale += points.mass[p] * points.velocity[p].norm();
         initial_kinetic += 0.5 * points.mass[p] * points.velocity[p].squaredNorm();
     }
     mass = grid_mass = initial_mass;
@@ -48,7 +49,7 @@ void Ledger::open(const Points& points) {
 
 void Ledger::book_grid(const Grid& grid, double dt, double pressure, const Vector& gravity, const std::vector<Wall>& walls,
                        bool prescribed) {
-    const auto sums = ordered_sums<8>(grid.mass.size(), [&](std::size_t n, std::array<double, 8>& sum) {
+    const auto sums = ordered_sums<9>(grid.mass.size(), [&](std::size_t n, std::array<double, 9>& sum) {
         if (grid.mass[n] <= 0.0) return;
         const Vector gained = grid.velocity[n] - grid.velocity_before[n];
         const Vector mean = 0.5 * (grid.velocity[n] + grid.velocity_before[n]);
@@ -61,6 +62,7 @@ void Ledger::book_grid(const Grid& grid, double dt, double pressure, const Vecto
         sum[5] += constraint.dot(mean);
         sum[6] += constraint[0];
         sum[7] += constraint[1];
+        sum[8] += dt * pressure * grid.unit_pressure_force[n].norm(); // N s
     });
     grid_mass = sums[0];
     internal_work += sums[2];
@@ -68,7 +70,7 @@ void Ledger::book_grid(const Grid& grid, double dt, double pressure, const Vecto
     transfer += sums[1]; // less what reaches the points: book_points
     const Vector weight = dt * sums[0] * gravity; // N s
     gravity_impulse += weight;
-    impulse_scale += weight.norm();
+    impulse_scale += weight.norm() + std::abs(sums[8]); // the pressure on a closed surface adds up to nothing, but rounds
 
     double pressure_on_walls = 0.0; // work, J
     if (prescribed) {
@@ -136,8 +138,7 @@ double Ledger::mass_error() const {
 
 double Ledger::momentum_error() const {
     const Vector fed = wall_impulse + pressure_impulse + gravity_impulse + damping_impulse + prescribed_impulse;
-    const double scale = impulse_scale + initial_momentum.norm();
-    return scale > 0.0 ? (momentum - initial_momentum - fed).norm() / scale : 0.0;
+    return impulse_scale > 0.0 ? (momentum - initial_momentum - fed).norm() / impulse_scale : 0.0;
 }
 
 double Ledger::energy_error() const {
@@ -163,7 +164,7 @@ std::vector<StateColumn> Ledger::state() {
     vector("gravity_impulse", "N s", "impulse of gravity", gravity_impulse);
     vector("damping_impulse", "N s", "impulse of particle and grid damping", damping_impulse);
     vector("prescribed_impulse", "N s", "impulse of a prescribed velocity field", prescribed_impulse);
-    scalar("impulse_scale", "N s", "sum of the magnitudes of all impulses", impulse_scale);
+    scalar("impulse_scale", "N s", "sum of the magnitudes of all impulses, and of the points' momenta at the start", impulse_scale);
     scalar("initial_kinetic", "J", "kinetic energy at the start", initial_kinetic);
     scalar("kinetic", "J", "kinetic energy of the points", kinetic);
     scalar("wall_work", "J", "work of the walls", wall_work);

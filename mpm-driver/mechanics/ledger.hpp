@@ -28,7 +28,7 @@ struct Ledger {
     Vector gravity_impulse = Vector::Zero();
     Vector damping_impulse = Vector::Zero();    // of particle and grid damping
     Vector prescribed_impulse = Vector::Zero(); // of a prescribed field
-    double impulse_scale = 0.0;                 // sum of |impulse| over steps and causes
+    double impulse_scale = 0.0;                 // sum of |impulse| over steps and causes (of the pressure also over nodes), and of the points' |m v| at the start
 
     // Energy, J; works are cumulative, and positive when they feed the body
     double initial_kinetic = 0.0, kinetic = 0.0;

@@ -24,12 +24,13 @@ TEST_CASE("The fate of a launched program is told: its exit code or its signal",
     CHECK_FALSE(sleeps.exit_code().has_value());
 }
 
-TEST_CASE("Ctrl-C ends a launched program, but one that has it held only when it is ready for it", "[exchange][process]") {
+TEST_CASE("Ctrl-C or SIGTERM ends a launched program, but one that has them held only when it is ready for them", "[exchange][process]") {
     const bool held = GENERATE(false, true);
+    const int signal = GENERATE(SIGINT, SIGTERM);
     LaunchedProcess program({"sleep", "0.3"}, held ? Interrupts::held : Interrupts::at_once);
-    kill(program.pid(), SIGINT);
+    kill(program.pid(), signal);
     REQUIRE(program.wait(10.0));
-    CHECK(program.fate() == (held ? "exited with code 0" : "was killed by signal 2 (SIGINT)"));
+    CHECK(program.fate() == (held ? "exited with code 0" : signal == SIGINT ? "was killed by signal 2 (SIGINT)" : "was killed by signal 15 (SIGTERM)"));
 }
 
 TEST_CASE("A Ctrl-C that a launcher held back is not lost: watch_interrupts() lets it through", "[exchange][process]") {

@@ -10,6 +10,10 @@
 
 namespace talik::hard {
 
+// Errors of rounding of a relative size that add up like steps of a random walk: four standard deviations of so many of them.
+inline double rounding_walk(double unit, double count) { return 4.0 * unit * std::sqrt(count); }
+constexpr double unit_double = 1.1e-16, unit_single = 6e-8;
+
 // What must hold: a figure that may not exceed its bound.
 struct Invariant {
     const char* what;   // with its unit
