@@ -16,36 +16,20 @@ namespace {
 
 constexpr int rve_count = 700, steps = 12; // more than a chunk in each farm of two
 
-// Remembers a sum of each RVE under its id in the run, in files as a real farm does.
-class KeepingFarm : public FarmService {
+// Knows its RVEs by their ids in the run, and keeps its sums in files as a real farm does.
+class KeepingFarm : public SummingFarm {
 public:
-    std::vector<Column> understands() const override { return rve_columns::requests(); }
-    std::vector<Column> offers() const override { return rve_columns::answers(); }
-    void agreed(const Hello& driver) override { columns_ = ColumnTable(driver.answer_columns); }
     std::vector<std::byte> configure(std::span<const std::byte> payload, Channel&) override {
         on("configure");
         ByteReader in(payload, "configure");
         ids_ = in.array<std::uint32_t>();
-        memory_ = AnswerMemory(static_cast<int>(ids_.size()), columns_);
-        sums_.assign(ids_.size(), 0.0);
+        start(static_cast<int>(ids_.size()));
         return {};
-    }
-    void answer(const Batch& request, Batch& answer, Channel& progress) override {
-        on("answer");
-        memory_.recall(request, answer, rows_);
-        for (int row : rows_) {
-            const auto r = static_cast<std::size_t>(row);
-            double& sum = sums_[request.ids()[r]];
-            sum = 0.75 * sum + request.component(0)[r] * (1.0 + ids_[request.ids()[r]]); // depends on all that came before
-            for (int c = 0; c < 5; ++c) answer.component(c)[r] = sum * (c + 1);
-        }
-        memory_.remember(request, answer, rows_);
-        progress.advance_progress(1, 1);
     }
     std::vector<std::byte> command(const std::string&, std::span<const std::byte> payload) override {
         on("command");
         ByteReader in(payload, "command");
-        for (const std::uint32_t id : in.array<std::uint32_t>()) sums_[id] += 1000.0;
+        for (const std::uint32_t id : in.array<std::uint32_t>()) sums_[std::size_t(id) * 4] += 1000.0;
         return {};
     }
     void checkpoint(const std::string& path) override {
@@ -70,17 +54,18 @@ public:
             memory.load(in);
             for (std::uint32_t own = 0; own < ids_.size(); ++own)
                 for (std::uint32_t there = 0; there < ids.size(); ++there)
-                    if (ids[there] == ids_[own]) sums_[own] = sums[there], memory_.take(own, memory, there);
+                    if (ids[there] == ids_[own]) std::copy_n(&sums[std::size_t(there) * 4], 4, &sums_[std::size_t(own) * 4]), memory_.take(own, memory, there);
         }
     }
-    std::function<void(const std::string&)> on = [](const std::string&) {};
 
 private:
-    ColumnTable columns_;
-    AnswerMemory memory_;
+    double weight(std::uint32_t id) const override { return 1.0 + ids_[id]; }
     std::vector<std::uint32_t> ids_;
-    std::vector<double> sums_;
-    std::vector<int> rows_;
+};
+
+// Of the same setup, but with another law.
+class OtherFarm : public KeepingFarm {
+    double weight(std::uint32_t id) const override { return 2.0 + id; }
 };
 
 // Farms as child processes over shared memory. `on` is called in the nth farm started, at each state.
@@ -133,7 +118,7 @@ std::vector<double> run(FarmGroup& group, const std::filesystem::path& checkpoin
         std::vector<double> answers(rve_count, 0.0);
         for (int farm = 0; farm < group.farms(); ++farm)
             for (std::size_t row = 0; row < group.answer(farm).ids().size(); ++row)
-                answers[group.rves(farm)[group.answer(farm).ids()[row]]] = group.answer(farm).component(2)[row];
+                answers[group.rves(farm)[group.answer(farm).ids()[row]]] = group.answer(farm).component(0)[row];
         values.insert(values.end(), answers.begin(), answers.end());
         if (step == 3) group.command_rves("add", std::vector<std::uint32_t>{1, 699, 350});
         if (step == 5 && !checkpoint_at_5.empty()) std::filesystem::create_directories(checkpoint_at_5), group.checkpoint(checkpoint_at_5);
@@ -231,7 +216,7 @@ TEST_CASE("A farm that answers with other bits than the one it replaces is not g
         const std::string name = unique_name("other");
         farms.channels.push_back(make_shm_channel(name, {}));
         farms.children.emplace_back([name] {
-            SummingFarm farm; // another law, for the same setup's first number
+            OtherFarm farm;
             FarmEnd(*join_shm_channel(name, {}), farm, "another-farm").serve();
         });
         return *farms.channels.back();

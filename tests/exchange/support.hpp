@@ -128,8 +128,7 @@ public:
         ByteReader in(payload, "configure");
         const auto count = in.get<std::int32_t>();
         configured_bytes = payload.size();
-        memory_ = AnswerMemory(count, columns_);
-        sums_.assign(static_cast<std::size_t>(count) * 4, 0.0);
+        start(count);
         ByteWriter out;
         out.put(count);
         return out.take();
@@ -140,7 +139,7 @@ public:
         for (int row : rows_) {
             const auto r = static_cast<std::size_t>(row);
             double* sum = &sums_[std::size_t(request.ids()[r]) * 4];
-            for (int c = 0; c < 4; ++c) sum[c] += request.component(c)[r] * (1.0 + request.ids()[r]);
+            for (int c = 0; c < 4; ++c) sum[c] += request.component(c)[r] * weight(request.ids()[r]);
             const double values[5] = {sum[0], sum[3], sum[1] + sum[2], 0.0, sum[0] * sum[0]};
             for (int c = 0; c < 5; ++c) answer.component(c)[r] = values[c];
             ++computed;
@@ -161,10 +160,18 @@ public:
     std::size_t configured_bytes = 0;
     std::string checkpointed, restored;
 
-private:
+protected:
+    void start(int count) {
+        memory_ = AnswerMemory(count, columns_);
+        sums_.assign(static_cast<std::size_t>(count) * 4, 0.0);
+    }
+    virtual double weight(std::uint32_t id) const { return 1.0 + id; }
+
     ColumnTable columns_;
     AnswerMemory memory_;
-    std::vector<double> sums_;
+    std::vector<double> sums_; // four of each RVE
+
+private:
     std::vector<int> rows_;
 };
 
