@@ -70,7 +70,11 @@ void HeatSolver::set_temperature(const Grid& grid, const Supports& supports, Poi
     clock_ = {};
     books_.open(entries_.size(), content(points));
     double size = 0.0; // the scale of the balance: also what a cooling or warming by the whole span would move
-    for (std::size_t p = 0; p < points.count(); ++p) size += std::abs(points.enthalpy[p]);
+    for (std::size_t p = 0; p < points.count(); ++p) {
+        const double frozen = frozen_at_start_[static_cast<std::size_t>(points.body[p])];
+        const ThermalMaterial& material = material_of(points, p);
+        size += std::abs(points.enthalpy[p]) + points.initial_volume[p] * std::abs(material.enthalpy({highest_, frozen}) - material.enthalpy({lowest_, frozen}));
+    }
     content_scale_ = size;
     nodes_from_points(supports, points);
     show(grid, supports, points);

@@ -289,3 +289,16 @@ TEST_CASE("a scene on a faster clock of heat runs through the same states in les
     REQUIRE(b->heat()->warnings().size() == 1);
     CHECK(says(b->heat()->warnings()[0], "86400 times faster"));
 }
+
+TEST_CASE("the balance of ground at zero that a held node barely reaches is measured by what the span could move", "[heat]") {
+    ThermalMaterialSpec dry = soil_material();
+    dry.curve = "none";
+    Scene scene = heat_scene(dry, {0.2, 0.2}, 0.2, 0.0);
+    scene.domain.size = {1.4, 1.4};
+    scene.bodies[0].polygon = box({0.6 + 2e-10, 0.0}, {0.8 + 2e-10, 0.2}, 9).polygon;
+    scene.heat->boundaries = {held_side("right", -41.6)};
+    auto simulation = start_heat(scene);
+    for (int k = 0; k < 20; ++k) simulation->step(simulation->next_step());
+    CHECK(simulation->heat()->books().moved() < 1e-6); // J: the node holds a part of 1e-19 of the ground
+    CHECK(balance(*simulation) < 1e-12);
+}
