@@ -61,13 +61,13 @@ void check_one_error(const std::vector<std::string>& errors, const std::string& 
 
 // Kills one process of a run that launched its farm, at a moment drawn between its start and half a second later.
 void kill_at_random(bool the_farm, int trials) {
-    TemporaryFolder folder;
-    const fs::path cache = folder / "cache", scene = write_endless_scene(folder);
-    REQUIRE(run_to_end({"mpm-driver", "explain", scene.string()}, cache).end.code == 0); // prepares the packings
+    TemporaryFolder folder, thawing_folder;
+    const fs::path cache = folder / "cache", scenes[] = {write_endless_scene(folder), write_endless_scene(thawing_folder, "50 ms", true)};
+    for (const fs::path& scene : scenes) REQUIRE(run_to_end({"mpm-driver", "explain", scene.string()}, cache).end.code == 0); // prepares the packings
     std::mt19937_64 random(the_farm ? 1 : 2);
     int restarts = 0;
     for (int trial = 0; trial < trials; ++trial) {
-        const fs::path output = folder / ("out-" + std::to_string(trial));
+        const fs::path output = folder / ("out-" + std::to_string(trial)), scene = scenes[trial % 2]; // every other one with heat
         const double moment = 0.5 * static_cast<double>(random() % 1000) / 1000.0;
         CAPTURE(the_farm, trial, moment);
         Program run({"mpm-driver", "run", scene.string(), "--output", output.string(), "--quiet", "--threads", "1"}, cache);
@@ -95,7 +95,7 @@ void kill_at_random(bool the_farm, int trials) {
         for (const auto& left : segments_made_by(run.pid())) CHECK(examine_segment(left).state == SegmentState::stale);
         remove_stale_segments(); // as each start of a driver does: one may have died before its farm came
         CHECK(segments_made_by(run.pid()).empty());
-        if (!checkpoints(output).empty() && restarts < 3) check_restarts(scene, output, cache), ++restarts;
+        if (!checkpoints(output).empty() && restarts < 6) check_restarts(scene, output, cache), ++restarts;
     }
     CHECK(restarts > 0);
 }

@@ -50,8 +50,10 @@ TEST_CASE("A summary is written, and names the cause, where a run fails", "[lock
 }
 
 TEST_CASE("A full disk ends a run with exit code 4 and one line that names the last good checkpoint, which restarts", "[lockstep][fault]") {
+    const bool thaws = GENERATE(false, true);
+    CAPTURE(thaws);
     TemporaryFolder folder;
-    const fs::path disk = folder / "disk", cache = folder / "cache", crowded = write_endless_scene(folder, "0.7 ms");
+    const fs::path disk = folder / "disk", cache = folder / "cache", crowded = write_endless_scene(folder, "0.7 ms", thaws);
     const TinyDisk tiny(disk, "1500k");
     if (!tiny.mounted()) {
         WARN("skipped: no file system of our own can be mounted here (" << tiny.why() << ")");
@@ -64,6 +66,7 @@ TEST_CASE("A full disk ends a run with exit code 4 and one line that names the l
     CHECK(run.end.code == 4);
     REQUIRE_FALSE(run.errors.empty());
     CHECK(run.errors.size() <= 2); // the farm's own, where it is what could not write its checkpoint
+    REQUIRE_FALSE(checkpoints(output).empty());
     CHECK_CONTAINS(run.text, "last good checkpoint: " + checkpoints(output).back().string());
     CHECK(halves(output).empty());
     const Finished restarted = restart(crowded, checkpoints(output).back(), folder / "elsewhere", cache);

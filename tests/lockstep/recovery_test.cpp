@@ -29,16 +29,16 @@ void check_same(const fs::path& a, const fs::path& b) {
 
 struct Reference {
     TemporaryFolder folder;
-    fs::path scene = write_tiny_scene(folder), cache = folder / "cache", output = folder / "plain";
-    Reference() { REQUIRE(run_to_end(run_command(scene, output, {"--quiet"}), cache).end.code == 0); }
+    fs::path scene, cache = folder / "cache", output = folder / "plain";
+    explicit Reference(bool thaws = false) : scene(write_tiny_scene(folder, thaws ? thawing() : std::map<std::string, std::string>())) { REQUIRE(run_to_end(run_command(scene, output, {"--quiet"}), cache).end.code == 0); }
 };
 
 } // namespace
 
 TEST_CASE("A farm killed or stopped in the middle of a run is replaced where the scene says so, and the run ends with the same bytes", "[lockstep][recovery]") {
-    const int signal = GENERATE(SIGKILL, SIGSTOP);
-    CAPTURE(signal);
-    const Reference reference;
+    const auto [signal, thaws] = GENERATE(table<int, bool>({{SIGKILL, false}, {SIGKILL, true}, {SIGSTOP, false}}));
+    CAPTURE(signal, thaws);
+    const Reference reference(thaws);
     const fs::path output = reference.folder / "replaced";
     Program run(run_command(reference.scene, output, {"--set", "exchange.replace_farm=2", "--set", "exchange.replace_interval=0.1", "--stall-seconds", "1"}), reference.cache);
     for (const double begin = now(); checkpoints(output).empty() && now() - begin < 30;) pause(0.002); // half way: the scene writes one at 20 ms

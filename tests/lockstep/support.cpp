@@ -220,11 +220,32 @@ fs::path write_tiny_scene(const TemporaryFolder& folder, const std::map<std::str
     return path;
 }
 
-fs::path write_endless_scene(const TemporaryFolder& folder, const std::string& fields_interval) {
-    return write_tiny_scene(folder, {{"duration", "duration = \"1000 s\""},
-                                     {"velocity", "velocity = \"-0.1 mm/s\""},
-                                     {"fields_interval", "fields_interval = \"" + fields_interval + "\""},
-                                     {"checkpoint_interval", "checkpoint_interval = \"7 ms\""}});
+std::map<std::string, std::string> thawing() {
+    return {{"law", "law = \"rve\"\nmaterial = \"sand\"\ntemperature = \"-1 degC\""},
+            {"friction", "friction = 0.5\n[rve.bond]\nnormal_strength = \"2 MPa\"\ntangential_strength = \"2 MPa\""},
+            {"moves", "moves = [\"plate\"]\nactivates = [\"bonds\"]"},
+            {"[step]", R"([heat]
+time_scale = 86400
+[[heat.material]]
+name = "sand"
+porosity = 0.4
+grain_heat_capacity = 850
+grain_conductivity = 3
+residual_temperature = "-0.5 degC"
+[[heat.boundary]]
+name = "warm"
+side = "left"
+value = 10
+[step])"}};
+}
+
+fs::path write_endless_scene(const TemporaryFolder& folder, const std::string& fields_interval, bool thaws) {
+    std::map<std::string, std::string> replace = {{"duration", "duration = \"1000 s\""},
+                                                  {"velocity", "velocity = \"-0.1 mm/s\""},
+                                                  {"fields_interval", "fields_interval = \"" + fields_interval + "\""},
+                                                  {"checkpoint_interval", "checkpoint_interval = \"7 ms\""}};
+    if (thaws) replace.merge(thawing());
+    return write_tiny_scene(folder, replace);
 }
 
 std::string content(const fs::path& file) {

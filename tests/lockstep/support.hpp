@@ -77,8 +77,10 @@ Finished restart(const fs::path& scene, const fs::path& checkpoint, const fs::pa
 // read otherwise, by their beginning ("duration" -> "duration = \"1 s\""); an empty replacement takes the line out.
 std::string tiny_scene(const std::map<std::string, std::string>& replace = {});
 fs::path write_tiny_scene(const TemporaryFolder& folder, const std::map<std::string, std::string>& replace = {});
+// What makes its ground frozen, and thaw from a warm side: bonds fail with the ice, and heat has a state of its own.
+std::map<std::string, std::string> thawing();
 // The same without end, with a checkpoint about every ten steps.
-fs::path write_endless_scene(const TemporaryFolder& folder, const std::string& fields_interval = "50 ms");
+fs::path write_endless_scene(const TemporaryFolder& folder, const std::string& fields_interval = "50 ms", bool thaws = false);
 
 std::string content(const fs::path& file);
 bool appears(const fs::path& path, double seconds); // within that time
