@@ -73,6 +73,7 @@ TEST_CASE("the energy of a free vibration is kept without PIC and damping, and w
 TEST_CASE("a free body that breathes under a pressure gathers no momentum, though no impulse adds up to more than rounding", "[eq34][ledger]") {
     Scene scene = elastic_scene(box({0.337, 0.3}, {0.737, 0.8}, 9), {0, 0}, {1, 1.1});
     scene.confining_pressure = 1e5;
+    scene.stages[0].particle_damping = 0.5; // whose impulses cancel too
     auto simulation = start(scene);
     take_steps(*simulation, 200);
     CHECK(simulation->ledger().kinetic > 0.0);
