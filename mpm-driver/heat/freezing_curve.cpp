@@ -90,6 +90,7 @@ double FreezingCurve::fraction(double temperature) const {
         return -scale_ * std::expm1(-u * u);
     }
     if (temperature_.empty()) return 0.0;
+    if (std::isnan(temperature)) return temperature; // compares with nothing: the search below would leave the table
     if (temperature <= temperature_.back()) return fraction_.back();
     std::size_t i = 1;
     while (temperature_[i] > temperature) ++i;
@@ -101,7 +102,7 @@ double FreezingCurve::slope(double temperature) const {
     const double u = (temperature - origin_) / (width_ > 0.0 ? width_ : 1.0);
     if (kind_ == Kind::exponential) return -scale_ / width_ * std::exp(u);
     if (kind_ == Kind::gaussian) return 2.0 * u * scale_ / width_ * std::exp(-u * u);
-    if (temperature_.empty() || temperature <= temperature_.back()) return 0.0;
+    if (temperature_.empty() || !(temperature > temperature_.back())) return 0.0; // nor where it is no number
     std::size_t i = 1;
     while (i + 1 < temperature_.size() && temperature_[i] > temperature) ++i;
     return -(fraction_[i] - fraction_[i - 1]) / (temperature_[i - 1] - temperature_[i]);

@@ -105,3 +105,13 @@ TEST_CASE("a table of unfrozen saturation is read straight between its rows, and
     CHECK(says(fault("-4,0.4\n0,1.2\n"), "an unfrozen saturation of 1.2 is not in [0, 1]"));
     CHECK(says(fault("-4,0.4\n0,0.9\n"), "0.9 of the water is unfrozen in the warmest row"));
 }
+
+TEST_CASE("a temperature that is no number freezes to no number, and is looked up in no table", "[curve]") {
+    const double none = std::nan("");
+    for (const char* kind : {"ramp", "saturation"}) {
+        const FreezingCurve f(curve(kind), 1.0); // a ramp of no width is a table of one row
+        CAPTURE(kind);
+        CHECK(std::isnan(f.fraction(none)));
+        f.slope(none); // reads nothing beyond the table (with sanitizers)
+    }
+}
