@@ -100,11 +100,11 @@ private:
         const ContactAtStart at = contact < 0 ? ContactAtStart::inert() : contact_at_start(s_, contact, rve_.turned[c] != 0, law_);
         w_.partner[c] = rve_.partner[c];
         start(0, c) = Real(at.start.normal_x), start(1, c) = Real(at.start.normal_y);
-        start(2, c) = Real(at.start.inverse_length), start(3, c) = Real(at.start.half_overlap), start(4, c) = Real(at.start.tangential);
+        start(2, c) = Real(at.start.inverse_length), start(3, c) = Real(at.start.half_overlap), start(4, c) = Real(at.tangential);
         for (int field = 0; field < 3; ++field) memory(field, c) = 0;
         if constexpr (bonds) memory(BlockWork<Real>::bonded, c) = at.bonded ? 1 : 0;
         if constexpr (ledger) {
-            memory(BlockWork<Real>::tangential(bonds), c) = Real(at.start.tangential);
+            memory(BlockWork<Real>::tangential(bonds), c) = Real(at.tangential);
             const Virial<double> own = at.virial();
             virial.xx += own.xx, virial.yy += own.yy, virial.xy += own.xy;
         }
@@ -152,7 +152,7 @@ private:
     TALIK_BLOCK void step_contacts(int thread) {
         const CellMotion<Real> cell = shared_.cell;
         ContactLoss<Real> sum{0, 0};
-        Virial<Real> virial;
+        ContactVirial<Real> virial;
         for (int k = thread; k < discs_; k += threads_) {
             const BlockRow<Real> owner = w_.displacement[k];
             Real force[3] = {0, 0, 0};
@@ -163,34 +163,35 @@ private:
             Own& own = own_(thread);
             own.booked.friction += sum.friction;
             own.booked.bond += sum.bond;
-            own.work.sub_step(shared_.change, shared_.gained, {virial.xx, virial.yy, virial.xy}, own.power, request_.sub_step, own.booked);
+            own.work.sub_step(shared_.change, shared_.gained, {virial.xx, virial.yy, virial.twice_xy / 2}, own.power, request_.sub_step, own.booked);
         }
         if (!is_single(thread)) return;
         shared_.last_stretch = shared_.stretch;
         shared_.stretch.turn_with_the_frame();
         take_stretch();
     }
-    TALIK_BLOCK void step_contact(const CellMotion<Real>& cell, const BlockRow<Real>& owner, int c, Real (&force)[3], ContactLoss<Real>& sum, Virial<Real>& virial) const {
+    TALIK_BLOCK void step_contact(const CellMotion<Real>& cell, const BlockRow<Real>& owner, int c, Real (&force)[3], ContactLoss<Real>& sum, ContactVirial<Real>& virial) const {
         using W = BlockWork<Real>;
         const BlockRow<Real> partner = w_.displacement[w_.partner[c]];
-        const ContactStart<Real> at{start(0, c), start(1, c), start(2, c), start(3, c), start(4, c)};
+        const ContactStart<Real> at{start(0, c), start(1, c), start(2, c), start(3, c)};
         const ContactRadii<Real> radii(owner.half_radius, partner.half_radius);
-        ContactMemory<Real> memory_of_contact{memory(W::double_turn, c), memory(W::half_change, c), memory(W::tangential_change, c)};
+        ContactMemory<Real> memory_of_contact{memory(W::double_turn, c), memory(W::half_change, c)};
         Real old_tangential = 0;
         if constexpr (ledger) old_tangential = memory(W::tangential(bonds), c);
         ContactLoss<Real> loss{0, 0};
+        const ContactMotion<Real> motion = contact_motion(cell, at, radii, moved(owner, partner), memory_of_contact);
+        Real& change = memory(W::tangential_change, c);
         ContactAction<Real> action;
         if constexpr (bonds) {
-            BondState<Real> bond{memory(W::bonded, c), Real(2) * smaller(owner.half_radius, partner.half_radius), beta_};
-            action = contact_step<ledger>(physics_, cell, at, radii, moved(owner, partner), memory_of_contact, bond, old_tangential, loss);
+            BondState<Real> bond{memory(W::bonded, c), beta_};
+            action = contact_force<ledger>(physics_, motion, start(4, c), change, bond, old_tangential, loss);
             memory(W::bonded, c) = bond.bonded;
         } else {
             NoBondState<Real> none;
-            action = contact_step<ledger>(physics_, cell, at, radii, moved(owner, partner), memory_of_contact, none, old_tangential, loss);
+            action = contact_force<ledger>(physics_, motion, start(4, c), change, none, old_tangential, loss);
         }
         memory(W::double_turn, c) = memory_of_contact.double_turn;
         memory(W::half_change, c) = memory_of_contact.half_change;
-        memory(W::tangential_change, c) = memory_of_contact.tangential_change;
         w_.contact_force[c] = action.x;
         w_.contact_force[contacts_ + c] = action.y;
         w_.contact_force[2 * contacts_ + c] = action.partner_torque;
@@ -199,8 +200,7 @@ private:
             memory(W::tangential(bonds), c) = action.tangential;
             sum.friction += loss.friction;
             if constexpr (bonds) sum.bond += loss.bond;
-            const Real length = action.half_length + action.half_length;
-            virial.add_contact(action.x, action.y, length * action.normal_x, length * action.normal_y);
+            virial.add(motion, action);
         }
     }
 

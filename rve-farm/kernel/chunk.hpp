@@ -60,9 +60,9 @@ void load_contacts(const auto& team, const AssemblyView& s, const SlotLayout& la
         field[F::normal_y * lanes] = static_cast<Real>(at.start.normal_y);
         field[F::inverse_length * lanes] = static_cast<Real>(at.start.inverse_length);
         field[F::half_overlap * lanes] = static_cast<Real>(at.start.half_overlap);
-        field[F::tangential_start * lanes] = static_cast<Real>(at.start.tangential);
+        field[F::tangential_start * lanes] = static_cast<Real>(at.tangential);
         field[F::double_turn * lanes] = field[F::half_change * lanes] = field[F::tangential_change * lanes] = 0;
-        if (w.ledger) field[F::tangential(w.bonds) * lanes] = static_cast<Real>(at.start.tangential);
+        if (w.ledger) field[F::tangential(w.bonds) * lanes] = static_cast<Real>(at.tangential);
         if (w.bonds) field[F::bonded * lanes] = at.bonded ? 1 : 0;
         w.contact_force[row] = static_cast<Real>(at.force_x);
         w.contact_force[row + 1] = static_cast<Real>(at.force_y);

@@ -71,6 +71,7 @@ TALIK_HOST_DEVICE DiscAtStart disc_at_start(const AssemblyView& s, int i) {
 // A contact at the start, from its owner to its partner.
 struct ContactAtStart {
     ContactStart<double> start;
+    double tangential;                                     // f_t0, N
     double force_x, force_y, partner_torque, owner_torque; // N, N m
     bool bonded;
 
@@ -80,7 +81,7 @@ struct ContactAtStart {
         return sum;
     }
     // Far apart and without a bond, for slots without a contact.
-    TALIK_HOST_DEVICE static ContactAtStart inert() { return {{1, 0, 1, -0.5, 0}, 0, 0, 0, 0, false}; }
+    TALIK_HOST_DEVICE static ContactAtStart inert() { return {{1, 0, 1, -0.5}, 0, 0, 0, 0, 0, false}; }
 };
 
 // Branch and overlap in double, force of the positions without slip or breaking: what the first kick needs.
@@ -93,7 +94,8 @@ TALIK_HOST_DEVICE ContactAtStart contact_at_start(const AssemblyView& s, int c, 
     const bool loaded = g.overlap > 0 || is_bonded(s, c);
     const double fn = loaded ? law.normal_stiffness * g.overlap : 0, ft = loaded ? s.tangential_force[c] : 0; // N
     ContactAtStart at;
-    at.start = {nx, ny, sign * inverse, g.overlap / 2, ft};
+    at.start = {nx, ny, sign * inverse, g.overlap / 2};
+    at.tangential = ft;
     at.force_x = fn * nx - ft * ny;
     at.force_y = fn * ny + ft * nx;
     at.partner_torque = -ft * (g.length / 2 - difference);

@@ -3,6 +3,7 @@
 // side by side; the owner's side stays in registers, the partner's is fetched as a row and answered as a row, which the
 // partner pulls in the next sub-step. Everything is in order and there is no scatter, so the bits are always the same.
 // Included by the files of the instruction levels only (lanes_*.cpp).
+#include <algorithm>
 #include <type_traits>
 
 #include "rve-farm/kernel/chunk.hpp"
@@ -110,70 +111,144 @@ auto physics_of_contacts(const Physics& p) {
     return farm::Physics<decltype(of_contacts(p.bond)), NoDamping, NoFluctuation, Contacts<T>>{contact, of_contacts(p.bond), {}, {}};
 }
 
+// Whether the branches of some groups move before any of their contacts answers: two short chains keep a core busier than a long
+// one and need fewer registers, which outweighs what is put by between them wherever there is more to a contact than in the
+// plainest scene in single precision. Measured: docs/performance.md.
 template <bool ledger, class T, class Physics>
-HWY_INLINE void step_contacts(const Physics& physics, const CellMotion<Contacts<T>>& cell, T beta_of_now, const SlotLayout& layout, LaneWork<T>& w, ContactBooks& books) {
-    using P = Contacts<T>;
-    [[maybe_unused]] P friction_sum, bond_sum, xx_sum, yy_sum, xy_sum;
-    [[maybe_unused]] const P beta(beta_of_now);
+constexpr bool in_two_passes = sizeof(T) == 8 || Physics::with_bonds || ledger;
+
+// What a contact puts by from the one pass to the other.
+template <class P, class T>
+HWY_INLINE void put_by(const ContactMotion<P>& m, bool with_opening, T* at) {
+    m.normal_x.store(at);
+    m.normal_y.store(at + P::lanes);
+    m.overlap.store(at + 2 * P::lanes);
+    m.double_slip.store(at + 3 * P::lanes);
+    m.roll.store(at + 4 * P::lanes);
+    m.owner_arm.store(at + 5 * P::lanes);
+    m.partner_arm.store(at + 6 * P::lanes);
+    if (with_opening) m.opening.store(at + 7 * P::lanes);
+}
+template <class P, class T>
+HWY_INLINE ContactMotion<P> fetch(bool with_opening, const T* at) {
+    return {P::load(at), P::load(at + P::lanes), P::load(at + 2 * P::lanes), P::load(at + 3 * P::lanes), P::load(at + 4 * P::lanes), P::load(at + 5 * P::lanes), P::load(at + 6 * P::lanes),
+            with_opening ? P::load(at + 7 * P::lanes) : P()};
+}
+
+// The discs that own the contacts of a group.
+template <class P>
+struct Owners {
+    P x, y, rotation, half_radius;
+};
+
+// The branches of a pack of contacts.
+template <class T, class P>
+HWY_INLINE ContactMotion<P> move_branches(const CellMotion<P>& cell, const Owners<P>& own, const T* HWY_RESTRICT displacement, const std::int32_t* HWY_RESTRICT partner,
+                                          T* HWY_RESTRICT field) {
     using F = ContactField;
-    constexpr int block = F::count(Physics::with_bonds, ledger) * P::lanes;
-    const std::int32_t* HWY_RESTRICT partner = layout.partner.data();
+    const auto get = [&](int f) HWY_ATTR { return P::load(field + f * P::lanes); };
+    P x, y, rotation, half_radius;
+    gather_rows(displacement, partner, x, y, rotation, half_radius);
+    const RelativeMotion<P> moved{x - own.x, y - own.y, rotation + own.rotation, own.rotation - rotation};
+    const ContactStart<P> start{get(F::normal_x), get(F::normal_y), get(F::inverse_length), get(F::half_overlap)};
+    ContactMemory<P> memory{get(F::double_turn), get(F::half_change)};
+    const ContactMotion<P> motion = contact_motion(cell, start, ContactRadii<P>(own.half_radius, half_radius), moved, memory);
+    memory.double_turn.store(field + F::double_turn * P::lanes);
+    memory.half_change.store(field + F::half_change * P::lanes);
+    return motion;
+}
+
+// Over the contacts of a group: what they give to their owners; and over all, for the ledger.
+template <class P>
+struct ContactSweep {
+    P x, y, torque;          // N, N, N m
+    P friction, bond;        // J
+    ContactVirial<P> virial; // J
+};
+
+// And what they answer.
+template <bool ledger, class T, class P, class Physics>
+HWY_INLINE void answer_motion(const Physics& physics, const ContactMotion<P>& motion, P beta, T* HWY_RESTRICT field, T* HWY_RESTRICT rows, ContactSweep<P>& sweep) {
+    using F = ContactField;
+    const auto get = [&](int f) HWY_ATTR { return P::load(field + f * P::lanes); };
+    const auto put = [&](int f, P value) HWY_ATTR { value.store(field + f * P::lanes); };
+    P change = get(F::tangential_change), old_tangential;
+    if constexpr (ledger) old_tangential = get(F::tangential(Physics::with_bonds));
+    ContactLoss<P> loss;
+    ContactAction<P> action;
+    if constexpr (Physics::with_bonds) {
+        BondState<P> bonds{get(F::bonded), beta};
+        action = contact_force<ledger>(physics, motion, get(F::tangential_start), change, bonds, old_tangential, loss);
+        put(F::bonded, bonds.bonded);
+    } else {
+        NoBondState<P> none;
+        action = contact_force<ledger>(physics, motion, get(F::tangential_start), change, none, old_tangential, loss);
+    }
+    put(F::tangential_change, change);
+    store_rows(action.x, action.y, action.partner_torque, P(), rows);
+    sweep.x -= action.x;
+    sweep.y -= action.y;
+    sweep.torque += action.owner_torque;
+    if constexpr (ledger) {
+        put(F::tangential(Physics::with_bonds), action.tangential);
+        sweep.friction += loss.friction;
+        if constexpr (Physics::with_bonds) sweep.bond += loss.bond;
+        sweep.virial.add(motion, action);
+    }
+}
+
+template <bool ledger, class T, class Physics>
+HWY_INLINE void step_contacts(const Physics& physics, const CellMotion<Contacts<T>>& cell, T beta_of_now, const SlotLayout& layout, const LaneWork<T>& w, ContactBooks& books) {
+    using P = Contacts<T>;
+    constexpr bool two_passes = in_two_passes<ledger, T, Physics>, opening = ledger && Physics::with_bonds;
+    constexpr int block = ContactField::count(Physics::with_bonds, ledger) * P::lanes, put_aside = LaneWork<T>::motions * P::lanes;
+    const P beta(beta_of_now);
     const std::int32_t* HWY_RESTRICT group_begin = layout.group_begin.data();
+    const std::int32_t* HWY_RESTRICT partner = layout.partner.data();
     const T* HWY_RESTRICT displacement = w.displacement;
-    const T* HWY_RESTRICT own = w.moved;
-    T* HWY_RESTRICT force = w.force;
-    T* HWY_RESTRICT field = w.blocks;
     T* HWY_RESTRICT rows = w.contact_force;
+    T* HWY_RESTRICT field = w.blocks;
     const int n = w.disc_slots;
-    for (int g = 0; g < layout.groups; ++g, own += P::lanes, force += P::lanes) {
-        const P own_x = P::load(own), own_y = P::load(own + n), own_rotation = P::load(own + 2 * n), own_half_radius = P::load(own + 3 * n);
-        P sum_x, sum_y, sum_torque;
-        for (int k = group_begin[g]; k < group_begin[g + 1]; k += P::lanes, partner += P::lanes, field += block, rows += 4 * P::lanes) {
-            P x, y, rotation, half_radius;
-            gather_rows(displacement, partner, x, y, rotation, half_radius);
-            const ContactRadii<P> radii(own_half_radius, half_radius);
-            const RelativeMotion<P> moved{x - own_x, y - own_y, rotation + own_rotation, own_rotation - rotation};
-            const auto get = [&](int f) HWY_ATTR { return P::load(field + f * P::lanes); };
-            const auto put = [&](int f, P value) HWY_ATTR { value.store(field + f * P::lanes); };
-            const ContactStart<P> start{get(F::normal_x), get(F::normal_y), get(F::inverse_length), get(F::half_overlap), get(F::tangential_start)};
-            ContactMemory<P> memory{get(F::double_turn), get(F::half_change), get(F::tangential_change)};
-            ContactLoss<P> loss;
-            P old_tangential;
-            if constexpr (ledger) old_tangential = get(F::tangential(Physics::with_bonds));
-            ContactAction<P> action;
-            if constexpr (Physics::with_bonds) {
-                BondState<P> bonds{get(F::bonded), P(2) * smaller(own_half_radius, half_radius), beta};
-                action = contact_step<ledger>(physics, cell, start, radii, moved, memory, bonds, old_tangential, loss);
-                put(F::bonded, bonds.bonded);
-            } else {
-                NoBondState<P> none;
-                action = contact_step<ledger>(physics, cell, start, radii, moved, memory, none, old_tangential, loss);
-            }
-            put(F::double_turn, memory.double_turn);
-            put(F::half_change, memory.half_change);
-            put(F::tangential_change, memory.tangential_change);
-            store_rows(action.x, action.y, action.partner_torque, P(), rows);
-            sum_x -= action.x;
-            sum_y -= action.y;
-            sum_torque += action.owner_torque;
-            if constexpr (ledger) {
-                put(F::tangential(Physics::with_bonds), action.tangential);
-                friction_sum += loss.friction;
-                if constexpr (Physics::with_bonds) bond_sum += loss.bond;
-                const P length = action.half_length + action.half_length, bx = length * action.normal_x, by = length * action.normal_y;
-                xx_sum += action.x * bx;
-                yy_sum += action.y * by;
-                xy_sum += action.x * by + action.y * bx;
+    const auto owners_of = [&](int g) HWY_ATTR {
+        const T* own = w.moved + g * P::lanes;
+        return Owners<P>{P::load(own), P::load(own + n), P::load(own + 2 * n), P::load(own + 3 * n)};
+    };
+    ContactSweep<P> sweep;
+    for (int first = 0; first < layout.groups; first += w.groups_at_once) {
+        const int last = std::min(first + w.groups_at_once, layout.groups);
+        if constexpr (two_passes) {
+            T* HWY_RESTRICT moving = field;
+            T* HWY_RESTRICT motion = w.motion;
+            for (int g = first; g < last; ++g) {
+                const Owners<P> own = owners_of(g);
+                for (int k = group_begin[g]; k < group_begin[g + 1]; k += P::lanes, partner += P::lanes, moving += block, motion += put_aside)
+                    put_by(move_branches(cell, own, displacement, partner, moving), opening, motion);
             }
         }
-        sum_x.store(force);
-        sum_y.store(force + n);
-        sum_torque.store(force + 2 * n);
+        const T* HWY_RESTRICT motion = w.motion;
+        for (int g = first; g < last; ++g) {
+            [[maybe_unused]] Owners<P> own;
+            if constexpr (!two_passes) own = owners_of(g);
+            sweep.x = sweep.y = sweep.torque = P();
+            for (int k = group_begin[g]; k < group_begin[g + 1]; k += P::lanes, field += block, rows += 4 * P::lanes) {
+                if constexpr (two_passes) {
+                    answer_motion<ledger>(physics, fetch<P>(opening, motion), beta, field, rows, sweep);
+                    motion += put_aside;
+                } else {
+                    answer_motion<ledger>(physics, move_branches(cell, own, displacement, partner, field), beta, field, rows, sweep);
+                    partner += P::lanes;
+                }
+            }
+            T* force = w.force + g * P::lanes;
+            sweep.x.store(force);
+            sweep.y.store(force + n);
+            sweep.torque.store(force + 2 * n);
+        }
     }
     if constexpr (ledger) {
-        books.friction = friction_sum.sum();
-        books.bond = bond_sum.sum();
-        books.virial = {xx_sum.sum(), yy_sum.sum(), xy_sum.sum() / 2};
+        books.friction = sweep.friction.sum();
+        books.bond = sweep.bond.sum();
+        books.virial = {sweep.virial.xx.sum(), sweep.virial.yy.sum(), sweep.virial.twice_xy.sum() / 2};
     }
 }
 

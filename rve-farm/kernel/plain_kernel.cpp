@@ -36,26 +36,27 @@ void step_contact(const Physics& physics, const SlotLayout& layout, const CellMo
     const int lanes = w.lanes();
     const Real* wi = w.displacement + layout.owner[slot];
     const Real* wj = w.displacement + layout.partner[slot];
-    const ContactStart<Real> start{field[F::normal_x * lanes], field[F::normal_y * lanes], field[F::inverse_length * lanes], field[F::half_overlap * lanes],
-                                   field[F::tangential_start * lanes]};
+    const ContactStart<Real> start{field[F::normal_x * lanes], field[F::normal_y * lanes], field[F::inverse_length * lanes], field[F::half_overlap * lanes]};
     const ContactRadii<Real> radii(wi[3], wj[3]);
     const RelativeMotion<Real> moved{wj[0] - wi[0], wj[1] - wi[1], wi[2] + wj[2], wi[2] - wj[2]};
-    ContactMemory<Real> memory{field[F::double_turn * lanes], field[F::half_change * lanes], field[F::tangential_change * lanes]};
+    ContactMemory<Real> memory{field[F::double_turn * lanes], field[F::half_change * lanes]};
+    const Real tangential_start = field[F::tangential_start * lanes];
+    Real& tangential_change = field[F::tangential_change * lanes];
     ContactLoss<Real> loss{0, 0};
     Real old_tangential = 0;
     if constexpr (ledger) old_tangential = field[F::tangential(Physics::with_bonds) * lanes];
+    const ContactMotion<Real> motion = contact_motion(cell, start, radii, moved, memory);
     ContactAction<Real> action;
     if constexpr (Physics::with_bonds) {
-        BondState<Real> bonds{field[F::bonded * lanes], Real(2) * smaller(wi[3], wj[3]), beta};
-        action = contact_step<ledger>(physics, cell, start, radii, moved, memory, bonds, old_tangential, loss);
+        BondState<Real> bonds{field[F::bonded * lanes], beta};
+        action = contact_force<ledger>(physics, motion, tangential_start, tangential_change, bonds, old_tangential, loss);
         field[F::bonded * lanes] = bonds.bonded;
     } else {
         NoBondState<Real> none;
-        action = contact_step<ledger>(physics, cell, start, radii, moved, memory, none, old_tangential, loss);
+        action = contact_force<ledger>(physics, motion, tangential_start, tangential_change, none, old_tangential, loss);
     }
     field[F::double_turn * lanes] = memory.double_turn;
     field[F::half_change * lanes] = memory.half_change;
-    field[F::tangential_change * lanes] = memory.tangential_change;
     Real* row = w.contact_force + layout.row[slot];
     row[0] = action.x;
     row[1] = action.y;
@@ -63,12 +64,11 @@ void step_contact(const Physics& physics, const SlotLayout& layout, const CellMo
     row[3] = action.owner_torque;
     if constexpr (ledger) {
         field[F::tangential(Physics::with_bonds) * lanes] = action.tangential;
-        Virial<double> virial;
-        const double length = 2 * static_cast<double>(action.half_length);
-        virial.add_contact(action.x, action.y, length * action.normal_x, length * action.normal_y);
         double* booked = w.booked + Work<Real, Plain>::booked_columns * k;
+        ContactVirial<double> virial;
+        virial.add(motion, action);
         booked[0] = loss.friction, booked[1] = loss.bond;
-        booked[2] = virial.xx, booked[3] = virial.yy, booked[4] = virial.xy;
+        booked[2] = virial.xx, booked[3] = virial.yy, booked[4] = virial.twice_xy / 2;
     }
 }
 

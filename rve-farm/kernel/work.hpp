@@ -32,9 +32,11 @@ struct Work {
     // contacts
     Real* blocks;        // of contact fields
     Real* contact_force; // rows, and a last one of zeros: {f_x, f_y, torque on the partner, torque on the owner}; only the plain kernel writes the last
+    Real* motion;        // ContactMotion of the contacts of some groups, in blocks: only for lanes
     double* booked;      // ledger of the plain kernel: columns of contact slots or disc slots
 
-    static constexpr int booked_columns = 5;
+    static constexpr int booked_columns = 5, motions = 8;
+    static constexpr int groups_at_once = 4; // by lanes: few enough for their motion to stay near, enough to overlap
 
     // The fields of a contact slot: field f is at [f * lanes].
     TALIK_HOST_DEVICE Real* contact(int slot) const { return blocks + (slot >> shift_) * block_size_ + (slot & ((1 << shift_) - 1)); }
@@ -45,6 +47,11 @@ struct Work {
         : disc_slots(layout.disc_slots()), contact_slots(layout.contact_slots()), bonds(columns.bond), ledger(with_ledger) {
         while ((1 << shift_) < layout.shape.lanes) ++shift_;
         block_size_ = ContactField::count(bonds, ledger) << shift_;
+        for (int g = 0; g < layout.groups; g += groups_at_once) {
+            const auto first = static_cast<std::size_t>(g), last = static_cast<std::size_t>(g + groups_at_once < layout.groups ? g + groups_at_once : layout.groups);
+            const int slots = layout.group_begin[last] - layout.group_begin[first];
+            most_slots_at_once_ = slots > most_slots_at_once_ ? slots : most_slots_at_once_;
+        }
         lay_out(columns, plain); // how much
         begin_ = memory.take(used_);
         used_ = 0;
@@ -61,6 +68,7 @@ private:
         place(force, 3 * disc_slots, !plain);
         place(blocks, (contact_slots >> shift_) * block_size_, true);
         place(contact_force, 4 * contact_slots + 4, true);
+        place(motion, motions * most_slots_at_once_, !plain);
         place(booked, booked_columns * (contact_slots > disc_slots ? contact_slots : disc_slots), ledger && plain);
     }
     template <class Entry>
@@ -72,6 +80,7 @@ private:
     std::byte* begin_ = nullptr;
     std::size_t used_ = 0;
     int shift_ = 0, block_size_ = 0; // lanes = 2^shift
+    int most_slots_at_once_ = 0;
 };
 
 } // namespace talik::farm
