@@ -11,7 +11,7 @@ void SlotLayout::update(const AssemblyView& s, LaneShape wanted) {
     choose_owners(s);
     sort_discs(s);
     place_contacts(s);
-    list_incoming();
+    list_incoming(s);
     list_ = s.numbers->rebuilds;
 }
 
@@ -44,7 +44,7 @@ void SlotLayout::sort_discs(const AssemblyView& s) {
     for (std::size_t k = 1; k < count_.size(); ++k) count_[k] += count_[k - 1];
     disc.assign(static_cast<std::size_t>(disc_slots()), -1);
     own_rows.resize(disc.size());
-    for (std::size_t k = 0; k < own_rows.size(); ++k) own_rows[k] = static_cast<std::int32_t>(4 * k);
+    for (int k = 0; k < disc_slots(); ++k) own_rows[static_cast<std::size_t>(k)] = 4 * (k - k % shape.lanes + shape.row_of_lane[k % shape.lanes]);
     slot_of_disc.resize(discs);
     for (std::size_t i = 0; i < discs; ++i) {
         const std::int32_t slot = count_[key(i)]++;
@@ -71,7 +71,7 @@ void SlotLayout::place_contacts(const AssemblyView& s) {
     for (int g = 0; g < groups; ++g)
         for (int c = group_begin[static_cast<std::size_t>(g)]; c < group_begin[static_cast<std::size_t>(g) + 1]; ++c) {
             const int lane = (c - group_begin[static_cast<std::size_t>(g)]) % lanes;
-            owner[static_cast<std::size_t>(c)] = partner[static_cast<std::size_t>(c)] = 4 * (g * lanes + lane);
+            owner[static_cast<std::size_t>(c)] = partner[static_cast<std::size_t>(c)] = own_rows[static_cast<std::size_t>(g * lanes + lane)];
             row[static_cast<std::size_t>(c)] = 4 * (c - lane + shape.row_of_lane[lane]);
         }
     next_.assign(static_cast<std::size_t>(s.disc_count()), 0);
@@ -83,25 +83,28 @@ void SlotLayout::place_contacts(const AssemblyView& s) {
         const auto at = static_cast<std::size_t>(group_begin[static_cast<std::size_t>(slot / lanes)] + next_[from]++ * lanes + slot % lanes);
         contact[at] = k;
         turned[at] = is_turned;
-        partner[at] = 4 * slot_of_disc[to];
+        partner[at] = own_rows[static_cast<std::size_t>(slot_of_disc[to])];
     }
 }
 
 // In the order of the contact slots.
-void SlotLayout::list_incoming() {
+void SlotLayout::list_incoming(const AssemblyView& s) {
     const auto slots = static_cast<std::size_t>(disc_slots());
     incoming_begin.assign(slots + 1, 0);
     for (std::size_t k = 0; k < slots; ++k)
         incoming_begin[k + 1] = incoming_begin[k] + (disc[k] < 0 ? 0 : coming_[static_cast<std::size_t>(disc[k])]);
     incoming.resize(static_cast<std::size_t>(incoming_begin[slots]));
     next_.assign(incoming_begin.begin(), incoming_begin.end() - 1);
-    for (std::size_t c = 0; c < contact.size(); ++c)
-        if (contact[c] >= 0) incoming[static_cast<std::size_t>(next_[static_cast<std::size_t>(partner[c] / 4)]++)] = row[c];
+    for (std::size_t c = 0; c < contact.size(); ++c) {
+        if (contact[c] < 0) continue;
+        const std::int32_t to = turned[c] ? s.first[contact[c]] : s.second[contact[c]];
+        incoming[static_cast<std::size_t>(next_[static_cast<std::size_t>(slot_of_disc[static_cast<std::size_t>(to)])]++)] = row[c];
+    }
     list_runs();
 }
 
 void SlotLayout::list_runs() {
-    const int set = shape.rows_of_a_vector;
+    const int set = shape.lanes_of_a_vector;
     runs.clear();
     incoming_of_sets.clear();
     const auto degree_of = [&](int k) { return incoming_begin[static_cast<std::size_t>(k) + 1] - incoming_begin[static_cast<std::size_t>(k)]; };

@@ -12,16 +12,16 @@
 
 namespace talik::farm {
 
-// Of a kernel: how wide its groups are, how many rows of discs a vector holds, and in which order it writes the rows of
-// contact forces of a group.
+// Of a kernel: how wide its groups are, how many discs its vectors take, and in which order it writes the rows of a group, be
+// they of contacts or of discs.
 struct LaneShape {
-    int lanes = 1, rows_of_a_vector = 1;
+    int lanes = 1, lanes_of_a_vector = 1;
     std::int8_t row_of_lane[64] = {};
 
     bool operator==(const LaneShape&) const = default;
 };
 
-// Neighbouring sets of discs that receive the same number of contacts. A set is as many discs as a vector holds rows.
+// Neighbouring sets of discs that receive the same number of contacts at most. A set is as many discs as a vector has lanes.
 struct IncomingRun {
     std::int32_t first_slot, sets, degree;
 };
@@ -39,10 +39,10 @@ public:
 
     std::vector<std::int32_t> disc;          // of each disc slot; -1: none
     std::vector<std::int32_t> slot_of_disc;
-    std::vector<std::int32_t> own_rows;      // of each disc slot: 4 * slot
+    std::vector<std::int32_t> own_rows;      // of each disc slot: 4 * where its row lies
     std::vector<std::int32_t> group_begin;   // contact slots of each group; groups + 1 entries
     std::vector<std::int32_t> contact;       // of each contact slot; -1: none
-    std::vector<std::int32_t> owner, partner; // of each contact slot, rows of disc slots: 4 * slot; of an inert one twice its own disc
+    std::vector<std::int32_t> owner, partner; // of each contact slot, own_rows of its discs; of an inert one twice its own disc
     std::vector<std::int8_t> turned;         // 1: the owner is the contact's `second`
     std::vector<std::int32_t> row;           // where the forces of a contact slot are written: 4 * row
     std::vector<std::int32_t> incoming;      // rows of the contacts that come into a disc, 4 * row, by disc slot
@@ -56,7 +56,7 @@ private:
     void choose_owners(const AssemblyView& s);
     void sort_discs(const AssemblyView& s);
     void place_contacts(const AssemblyView& s);
-    void list_incoming();
+    void list_incoming(const AssemblyView& s);
     void list_runs();
 
     std::int64_t list_ = -1; // numbers.rebuilds of the list it was made for

@@ -27,7 +27,7 @@ void write_column(std::byte* image, std::size_t begin, std::span<const From> col
 LaneShape block_shape() {
     LaneShape shape;
     shape.lanes = block_group;
-    shape.rows_of_a_vector = 1;
+    shape.lanes_of_a_vector = 1;
     for (int lane = 0; lane < block_group; ++lane) shape.row_of_lane[lane] = static_cast<std::int8_t>(lane);
     return shape;
 }

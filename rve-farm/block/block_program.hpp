@@ -97,16 +97,14 @@ private:
     }
     TALIK_BLOCK void load_contact(int c, Real (&force)[3], Virial<double>& virial) const {
         const int contact = rve_.contact[c];
-        ContactAtStart at{{1, 0, 1, 1, -1, 0, 0}, 0, 0, 0, 0, 0, false}; // inert: far apart, no bond
-        if (contact >= 0) at = contact_at_start(s_, contact, rve_.turned[c] != 0, law_);
+        const ContactAtStart at = contact < 0 ? ContactAtStart::inert() : contact_at_start(s_, contact, rve_.turned[c] != 0, law_);
         w_.partner[c] = rve_.partner[c];
         start(0, c) = Real(at.start.normal_x), start(1, c) = Real(at.start.normal_y);
-        start(2, c) = Real(at.start.length), start(3, c) = Real(at.start.inverse_length);
-        start(4, c) = Real(at.start.overlap), start(5, c) = Real(at.start.tangential);
+        start(2, c) = Real(at.start.inverse_length), start(3, c) = Real(at.start.half_overlap), start(4, c) = Real(at.tangential);
         for (int field = 0; field < 3; ++field) memory(field, c) = 0;
         if constexpr (bonds) memory(BlockWork<Real>::bonded, c) = at.bonded ? 1 : 0;
         if constexpr (ledger) {
-            memory(BlockWork<Real>::tangential(bonds), c) = Real(at.start.tangential);
+            memory(BlockWork<Real>::tangential(bonds), c) = Real(at.tangential);
             const Virial<double> own = at.virial();
             virial.xx += own.xx, virial.yy += own.yy, virial.xy += own.xy;
         }
@@ -120,7 +118,7 @@ private:
     TALIK_BLOCK void move_discs(int thread, Real kick) {
         const PlanarStretch<Real> d = shared_.discs;
         Real largest = own_(thread).largest_squared;
-        DiscLoss loss;
+        DiscLoss<double> loss;
         for (int k = thread; k < discs_; k += threads_) {
             Real force[3] = {w_.force[k], w_.force[discs_ + k], w_.force[2 * discs_ + k]};
             add_incoming(k, force);
@@ -139,7 +137,7 @@ private:
         if constexpr (ledger) {
             own_(thread).booked.damping += loss.damping;
             own_(thread).booked.work += loss.fluctuation_work;
-            own_(thread).power = loss.power;
+            own_(thread).power = {loss.power_xx, loss.power_yy, loss.twice_power_xy / 2};
         }
         if (!is_single(thread)) return;
         shared_.motion.advance(shared_.stretch);
@@ -154,7 +152,7 @@ private:
     TALIK_BLOCK void step_contacts(int thread) {
         const CellMotion<Real> cell = shared_.cell;
         ContactLoss<Real> sum{0, 0};
-        Virial<Real> virial;
+        ContactVirial<Real> virial;
         for (int k = thread; k < discs_; k += threads_) {
             const BlockRow<Real> owner = w_.displacement[k];
             Real force[3] = {0, 0, 0};
@@ -165,33 +163,35 @@ private:
             Own& own = own_(thread);
             own.booked.friction += sum.friction;
             own.booked.bond += sum.bond;
-            own.work.sub_step(shared_.change, shared_.gained, {virial.xx, virial.yy, virial.xy}, own.power, request_.sub_step, own.booked);
+            own.work.sub_step(shared_.change, shared_.gained, {virial.xx, virial.yy, virial.twice_xy / 2}, own.power, request_.sub_step, own.booked);
         }
         if (!is_single(thread)) return;
         shared_.last_stretch = shared_.stretch;
         shared_.stretch.turn_with_the_frame();
         take_stretch();
     }
-    TALIK_BLOCK void step_contact(const CellMotion<Real>& cell, const BlockRow<Real>& owner, int c, Real (&force)[3], ContactLoss<Real>& sum, Virial<Real>& virial) const {
+    TALIK_BLOCK void step_contact(const CellMotion<Real>& cell, const BlockRow<Real>& owner, int c, Real (&force)[3], ContactLoss<Real>& sum, ContactVirial<Real>& virial) const {
         using W = BlockWork<Real>;
         const BlockRow<Real> partner = w_.displacement[w_.partner[c]];
-        const ContactStart<Real> at{start(0, c), start(1, c), start(2, c), start(3, c), start(4, c), owner.half_radius - partner.half_radius, start(5, c)};
-        ContactMemory<Real> memory_of_contact{memory(W::turn, c), memory(W::length_change, c), memory(W::tangential_change, c)};
+        const ContactStart<Real> at{start(0, c), start(1, c), start(2, c), start(3, c)};
+        const ContactRadii<Real> radii(owner.half_radius, partner.half_radius);
+        ContactMemory<Real> memory_of_contact{memory(W::double_turn, c), memory(W::half_change, c)};
         Real old_tangential = 0;
         if constexpr (ledger) old_tangential = memory(W::tangential(bonds), c);
         ContactLoss<Real> loss{0, 0};
+        const ContactMotion<Real> motion = contact_motion(cell, at, radii, moved(owner, partner), memory_of_contact);
+        Real& change = memory(W::tangential_change, c);
         ContactAction<Real> action;
         if constexpr (bonds) {
-            BondState<Real> bond{memory(W::bonded, c), Real(2) * smaller(owner.half_radius, partner.half_radius), beta_};
-            action = contact_step<ledger>(physics_, cell, at, moved(owner, partner), memory_of_contact, bond, old_tangential, loss);
+            BondState<Real> bond{memory(W::bonded, c), beta_};
+            action = contact_force<ledger>(physics_, motion, start(4, c), change, bond, old_tangential, loss);
             memory(W::bonded, c) = bond.bonded;
         } else {
             NoBondState<Real> none;
-            action = contact_step<ledger>(physics_, cell, at, moved(owner, partner), memory_of_contact, none, old_tangential, loss);
+            action = contact_force<ledger>(physics_, motion, start(4, c), change, none, old_tangential, loss);
         }
-        memory(W::turn, c) = memory_of_contact.turn;
-        memory(W::length_change, c) = memory_of_contact.length_change;
-        memory(W::tangential_change, c) = memory_of_contact.tangential_change;
+        memory(W::double_turn, c) = memory_of_contact.double_turn;
+        memory(W::half_change, c) = memory_of_contact.half_change;
         w_.contact_force[c] = action.x;
         w_.contact_force[contacts_ + c] = action.y;
         w_.contact_force[2 * contacts_ + c] = action.partner_torque;
@@ -200,7 +200,7 @@ private:
             memory(W::tangential(bonds), c) = action.tangential;
             sum.friction += loss.friction;
             if constexpr (bonds) sum.bond += loss.bond;
-            virial.add_contact(action.x, action.y, action.length * action.normal_x, action.length * action.normal_y);
+            virial.add(motion, action);
         }
     }
 
@@ -254,7 +254,7 @@ private:
         const BlockRow<Real> owner = w_.displacement[k], partner = w_.displacement[w_.partner[c]];
         bool bonded = false;
         if constexpr (bonds) bonded = memory(BlockWork<Real>::bonded, c) > Real(0);
-        const ContactAtEnd<Real> at{start(0, c), start(1, c), start(2, c), start(3, c), start(4, c), owner.half_radius - partner.half_radius,
+        const ContactAtEnd<Real> at{start(0, c), start(1, c), start(2, c), start(3, c), {owner.half_radius, partner.half_radius},
                                     memory(BlockWork<Real>::tangential_change, c), bonded, moved(owner, partner)};
         close_contact(e, law_, at, s_, contact, request_.give_back, sums);
     }

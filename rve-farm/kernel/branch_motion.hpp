@@ -28,15 +28,15 @@ TALIK_HOST_DEVICE Real reciprocal_of_one_plus(Real e) {
 
 template <class Real>
 struct BranchMotion {
-    Real length_change;      // |b| - |b0|, m
-    Real inverse_stretch;    // |b0| / |b|, -
-    Real angle;              // from n0 to n, rad, counter-clockwise
+    Real strain;          // |b| / |b0| - 1, -
+    Real inverse_stretch; // |b0| / |b|, -
+    Real tangent, arcus;  // q = tan of the angle from n0 to n, counter-clockwise; atan(q) / q - 1
 
-    // length: |b0|, m. along, across: components of (b - b0) / |b0| along n0 and t0 = (-n0_y, n0_x), -.
+    // along, across: components of (b - b0) / |b0| along n0 and t0 = (-n0_y, n0_x), -.
     // With q = across / (1 + along): |b| / |b0| = (1 + along) sqrt(1 + q^2), angle = atan q.
-    TALIK_HOST_DEVICE BranchMotion(Real length, Real along, Real across) {
+    TALIK_HOST_DEVICE BranchMotion(Real along, Real across) {
         const Real reciprocal = reciprocal_of_one_plus(along), q = across * reciprocal, u = q * q;
-        Real root, inverse_root, arcus; // sqrt(1 + u) - 1, 1 / sqrt(1 + u) - 1, atan(q) / q - 1
+        Real root, inverse_root; // sqrt(1 + u) - 1, 1 / sqrt(1 + u) - 1
         if constexpr (is_single<Real>) {
             root = u * (Real(1.0 / 2) - u * Real(1.0 / 8));
             inverse_root = u * (Real(-1.0 / 2) + u * Real(3.0 / 8));
@@ -46,9 +46,15 @@ struct BranchMotion {
             root = u + (inverse_root + u * inverse_root); // (1 + u) / sqrt(1 + u) - 1
             arcus = u * (Real(-1.0 / 3) + u * (Real(1.0 / 5) + u * Real(-1.0 / 7)));
         }
-        length_change = length * (along + (root + along * root));
+        strain = along + (root + along * root);
         inverse_stretch = reciprocal + reciprocal * inverse_root;
-        angle = q + q * arcus;
+        tangent = q;
+    }
+
+    // Twice the angle less `rotation`, rad: for what the branch has turned more than its discs without a factor of a half.
+    TALIK_HOST_DEVICE Real twice_the_angle_less(Real rotation) const {
+        const Real twice = tangent + tangent;
+        return (twice - rotation) + twice * arcus;
     }
 };
 

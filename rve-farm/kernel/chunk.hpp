@@ -32,19 +32,18 @@ private:
 template <class Real, class Level>
 void load_discs(const auto& team, const AssemblyView& s, const SlotLayout& layout, Work<Real, Level>& w) {
     team.each(w.disc_slots, [&](int k) {
-        const int i = layout.disc[static_cast<std::size_t>(k)], row = 4 * k;
+        const int i = layout.disc[static_cast<std::size_t>(k)], n = w.disc_slots;
         const DiscAtStart at = i < 0 ? DiscAtStart{} : disc_at_start(s, i);
-        for (int a = 0; a < 4; ++a) w.displacement[row + a] = w.force[row + a] = 0;
-        w.velocity[row] = static_cast<Real>(at.velocity_x);
-        w.velocity[row + 1] = static_cast<Real>(at.velocity_y);
-        w.velocity[row + 2] = static_cast<Real>(at.spin);
-        w.velocity[row + 3] = 0;
-        w.inverse_mass[row] = w.inverse_mass[row + 1] = static_cast<Real>(at.inverse_mass);
-        w.inverse_mass[row + 2] = static_cast<Real>(at.inverse_inertia);
-        w.inverse_mass[row + 3] = 0;
-        if (!w.mass) return;
-        w.mass[row] = w.mass[row + 1] = static_cast<Real>(i < 0 ? 0 : s.mass[i]);
-        w.mass[row + 2] = w.mass[row + 3] = 0;
+        Real* row = w.displacement + layout.own_rows[static_cast<std::size_t>(k)];
+        const Real half_radius = static_cast<Real>(i < 0 ? 0 : s.radius[i] / 2);
+        for (int a = 0; a < 4; ++a) row[a] = a < 3 ? Real(0) : half_radius;
+        for (int a = 0; a < 4 && w.moved; ++a) w.moved[a * n + k] = a < 3 ? Real(0) : half_radius;
+        w.velocity[k] = static_cast<Real>(at.velocity_x);
+        w.velocity[n + k] = static_cast<Real>(at.velocity_y);
+        w.velocity[2 * n + k] = static_cast<Real>(at.spin);
+        w.inverse_mass[k] = static_cast<Real>(at.inverse_mass);
+        w.inverse_mass[n + k] = static_cast<Real>(at.inverse_inertia);
+        if (w.mass) w.mass[k] = static_cast<Real>(i < 0 ? 0 : s.mass[i]);
     });
 }
 
@@ -53,24 +52,18 @@ void load_contacts(const auto& team, const AssemblyView& s, const SlotLayout& la
     team.each(w.contact_slots, [&](int k) {
         const auto slot = static_cast<std::size_t>(k);
         const int c = layout.contact[slot];
+        const ContactAtStart at = c < 0 ? ContactAtStart::inert() : contact_at_start(s, c, layout.turned[slot] != 0, law);
         const int row = layout.row[slot], lanes = w.lanes();
         Real* field = w.contact(k);
         using F = ContactField;
-        ContactAtStart at{{1, 0, 1, 1, -1, 0, 0}, 0, 0, 0, 0, 0, false}; // inert: far apart, no bond
-        if (c >= 0) at = contact_at_start(s, c, layout.turned[slot] != 0, law);
         field[F::normal_x * lanes] = static_cast<Real>(at.start.normal_x);
         field[F::normal_y * lanes] = static_cast<Real>(at.start.normal_y);
-        field[F::length * lanes] = static_cast<Real>(at.start.length);
         field[F::inverse_length * lanes] = static_cast<Real>(at.start.inverse_length);
-        field[F::overlap * lanes] = static_cast<Real>(at.start.overlap);
-        field[F::half_difference * lanes] = static_cast<Real>(at.start.half_difference);
-        field[F::tangential_start * lanes] = static_cast<Real>(at.start.tangential);
-        field[F::turn * lanes] = field[F::length_change * lanes] = field[F::tangential_change * lanes] = 0;
-        if (w.ledger) field[F::tangential(w.bonds) * lanes] = static_cast<Real>(at.start.tangential);
-        if (w.bonds) {
-            field[F::bonded * lanes] = at.bonded ? 1 : 0;
-            field[F::smaller_radius * lanes] = static_cast<Real>(at.smaller_radius);
-        }
+        field[F::half_overlap * lanes] = static_cast<Real>(at.start.half_overlap);
+        field[F::tangential_start * lanes] = static_cast<Real>(at.tangential);
+        field[F::double_turn * lanes] = field[F::half_change * lanes] = field[F::tangential_change * lanes] = 0;
+        if (w.ledger) field[F::tangential(w.bonds) * lanes] = static_cast<Real>(at.tangential);
+        if (w.bonds) field[F::bonded * lanes] = at.bonded ? 1 : 0;
         w.contact_force[row] = static_cast<Real>(at.force_x);
         w.contact_force[row + 1] = static_cast<Real>(at.force_y);
         w.contact_force[row + 2] = static_cast<Real>(at.partner_torque);
@@ -85,7 +78,7 @@ Virial<double> virial_at_start(const Work<Real, Level>& w, const SlotLayout& lay
     for (int k = 0; k < w.contact_slots; ++k) {
         const Real* f = w.contact_force + layout.row[static_cast<std::size_t>(k)];
         const Real* field = w.contact(k);
-        const double length = field[ContactField::length * w.lanes()];
+        const double length = 1 / static_cast<double>(field[ContactField::inverse_length * w.lanes()]);
         sum.add_contact(f[0], f[1], length * field[ContactField::normal_x], length * field[ContactField::normal_y * w.lanes()]);
     }
     return sum;
@@ -134,9 +127,8 @@ void close_contacts(const ChunkMotion& cell, const SlotLayout& layout, const Con
         const Real* field = w.contact(k);
         const Real* wi = w.displacement + layout.owner[slot];
         const Real* wj = w.displacement + layout.partner[slot];
-        const ContactAtEnd<Real> at{field[F::normal_x * lanes], field[F::normal_y * lanes],        field[F::length * lanes], field[F::inverse_length * lanes],
-                                    field[F::overlap * lanes],  field[F::half_difference * lanes], field[F::tangential_change * lanes],
-                                    w.bonds && field[F::bonded * lanes] > 0,
+        const ContactAtEnd<Real> at{field[F::normal_x * lanes], field[F::normal_y * lanes], field[F::inverse_length * lanes], field[F::half_overlap * lanes],
+                                    {wi[3], wj[3]},             field[F::tangential_change * lanes], w.bonds && field[F::bonded * lanes] > 0,
                                     {wj[0] - wi[0], wj[1] - wi[1], wi[2] + wj[2], wi[2] - wj[2]}};
         close_contact(e, law, at, s, c, give_back, sums);
     }
@@ -144,16 +136,17 @@ void close_contacts(const ChunkMotion& cell, const SlotLayout& layout, const Con
 
 template <class Real, class Level>
 void close_discs(const ChunkRequest& request, const ChunkMotion& cell, const SlotLayout& layout, const Work<Real, Level>& w, AssemblyView& s,
-                 bool owner_sums_are_ready, ChunkSums& sums) {
+                 ChunkSums& sums) {
     const double last_sub_step = request.substeps > 0 ? request.sub_step : s.numbers->last_sub_step;
     for (int k = 0; k < w.disc_slots; ++k) {
-        const int i = layout.disc[static_cast<std::size_t>(k)], row = 4 * k;
+        const int i = layout.disc[static_cast<std::size_t>(k)], n = w.disc_slots;
         if (i < 0) continue;
         Real force[3] = {0, 0, 0};
-        if (owner_sums_are_ready) force[0] = w.force[row], force[1] = w.force[row + 1], force[2] = w.force[row + 2];
+        if (w.force) force[0] = w.force[k], force[1] = w.force[n + k], force[2] = w.force[2 * n + k];
         else add_owned(w, layout, k, force);
         add_incoming(w, layout, k, force);
-        const DiscAtEnd<Real> at{w.displacement[row], w.displacement[row + 1], w.velocity[row], w.velocity[row + 1], w.velocity[row + 2], force[0], force[1], force[2]};
+        const Real* row = w.displacement + layout.own_rows[static_cast<std::size_t>(k)];
+        const DiscAtEnd<Real> at{row[0], row[1], w.velocity[k], w.velocity[n + k], w.velocity[2 * n + k], force[0], force[1], force[2]};
         close_disc(cell, at, last_sub_step, w.mass != nullptr, s, i, request.give_back, sums.discs, sums.largest_drift_squared);
     }
 }
@@ -161,7 +154,7 @@ void close_discs(const ChunkRequest& request, const ChunkMotion& cell, const Slo
 // The last word on a chunk: is it sound, has the list held, and then state and answer.
 template <class Real, class Level>
 void finish(const ChunkRequest& request, StageClock<Level>& clock, const ChunkMotion& cell, const ContactLaw<double>& law, const SlotLayout& layout, Work<Real, Level>& w,
-            AssemblyView& s, const ChunkLedger& ledger, double largest_displacement, bool owner_sums_are_ready, ChunkOutcome& outcome) {
+            AssemblyView& s, const ChunkLedger& ledger, double largest_displacement, ChunkOutcome& outcome) {
     outcome.inner_seconds = clock.lap();
     outcome.largest_displacement = largest_displacement;
     outcome.finite = displacements_are_finite(w);
@@ -169,7 +162,7 @@ void finish(const ChunkRequest& request, StageClock<Level>& clock, const ChunkMo
     if (outcome.accepted) {
         ChunkSums sums{ledger, {}, {}, 0};
         close_contacts(cell, layout, law, w, s, request.give_back, sums.contacts);
-        close_discs(request, cell, layout, w, s, owner_sums_are_ready, sums);
+        close_discs(request, cell, layout, w, s, sums);
         conclude(request, cell, law, sums, *s.numbers, outcome);
     }
     outcome.close_seconds = clock.lap();

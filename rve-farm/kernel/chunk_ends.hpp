@@ -71,15 +71,17 @@ TALIK_HOST_DEVICE DiscAtStart disc_at_start(const AssemblyView& s, int i) {
 // A contact at the start, from its owner to its partner.
 struct ContactAtStart {
     ContactStart<double> start;
+    double tangential;                                     // f_t0, N
     double force_x, force_y, partner_torque, owner_torque; // N, N m
-    double smaller_radius;                                 // m
     bool bonded;
 
     TALIK_HOST_DEVICE Virial<double> virial() const { // f x b, J
         Virial<double> sum;
-        sum.add_contact(force_x, force_y, start.length * start.normal_x, start.length * start.normal_y);
+        sum.add_contact(force_x, force_y, start.normal_x / start.inverse_length, start.normal_y / start.inverse_length);
         return sum;
     }
+    // Far apart and without a bond, for slots without a contact.
+    TALIK_HOST_DEVICE static ContactAtStart inert() { return {{1, 0, 1, -0.5}, 0, 0, 0, 0, 0, false}; }
 };
 
 // Branch and overlap in double, force of the positions without slip or breaking: what the first kick needs.
@@ -92,12 +94,12 @@ TALIK_HOST_DEVICE ContactAtStart contact_at_start(const AssemblyView& s, int c, 
     const bool loaded = g.overlap > 0 || is_bonded(s, c);
     const double fn = loaded ? law.normal_stiffness * g.overlap : 0, ft = loaded ? s.tangential_force[c] : 0; // N
     ContactAtStart at;
-    at.start = {nx, ny, g.length, sign * inverse, g.overlap, difference, ft};
+    at.start = {nx, ny, sign * inverse, g.overlap / 2};
+    at.tangential = ft;
     at.force_x = fn * nx - ft * ny;
     at.force_y = fn * ny + ft * nx;
     at.partner_torque = -ft * (g.length / 2 - difference);
     at.owner_torque = -ft * (g.length / 2 + difference);
-    at.smaller_radius = first < second ? first : second;
     at.bonded = is_bonded(s, c);
     return at;
 }
@@ -113,8 +115,9 @@ struct ContactSums {
 // What the kernel has of a contact at the end.
 template <class Real>
 struct ContactAtEnd {
-    Real normal_x, normal_y, length, inverse_length, overlap, half_difference; // of the start
-    Real tangential_change;                  // N
+    Real normal_x, normal_y, inverse_length, half_overlap; // of the start
+    ContactRadii<Real> radii;
+    Real tangential_change; // N
     bool bonded;
     RelativeMotion<Real> moved;
 };
@@ -126,14 +129,14 @@ TALIK_HOST_DEVICE void close_contact(const CellMotion<Real>& e, const ContactLaw
     const Real nx = at.normal_x, ny = at.normal_y;
     const Real gx = (e.xx * nx + e.xy * ny) + at.moved.x * at.inverse_length;
     const Real gy = (e.yx * nx + e.yy * ny) + at.moved.y * at.inverse_length;
-    const BranchMotion<Real> branch(at.length, nx * gx + ny * gy, nx * gy - ny * gx);
-    const double overlap = at.overlap - branch.length_change; // m
+    const BranchMotion<Real> branch(nx * gx + ny * gy, nx * gy - ny * gx);
+    const double half_start = at.radii.half_sum - at.half_overlap, half_change = half_start * branch.strain, overlap = 2 * (at.half_overlap - half_change); // m
     const bool loaded = at.bonded || overlap > 0;
     // f_t = f_t0 in double + its change; and within the Coulomb limit to the last digit.
     double ft = 0;
     const double fn = loaded ? law.normal_stiffness * overlap : 0; // N
     if (loaded) {
-        const double rolled = law.tangential_stiffness * (at.half_difference * static_cast<double>(at.moved.rotation_difference));
+        const double rolled = law.tangential_stiffness * (at.radii.half_difference * static_cast<double>(at.moved.rotation_difference));
         ft = s.tangential_force[c] + (at.tangential_change + rolled);
         if (!at.bonded) ft = law.limited({fn, ft}).tangential;
     }
@@ -144,7 +147,7 @@ TALIK_HOST_DEVICE void close_contact(const CellMotion<Real>& e, const ContactLaw
     sums.bonds += at.bonded;
     if (!loaded) return;
     const double mx = (nx + gx) * branch.inverse_stretch, my = (ny + gy) * branch.inverse_stretch;
-    const double length = static_cast<double>(at.length) + branch.length_change, bx = length * mx, by = length * my;
+    const double length = 2 * (half_start + half_change), bx = length * mx, by = length * my;
     sums.virial.add_contact(fn * mx - ft * my, fn * my + ft * mx, bx, by);
     sums.fabric_xx += bx * bx, sums.fabric_yy += by * by, sums.fabric_xy += bx * by;
     sums.stored_energy += law.stored_energy({fn, ft});

@@ -10,18 +10,24 @@ namespace talik::farm {
 template <class Real>
 struct ContactStart {
     Real normal_x, normal_y; // n0, from owner to partner
-    Real length, inverse_length; // |b0|, m; 1/m
-    Real overlap;            // delta0 = r_i + r_j - |b0|, m
-    Real half_difference;    // (r_i - r_j) / 2, m: the lever arm of f_t on the owner is r_i - delta/2 = |b|/2 + this
-    Real tangential;         // f_t0, N
+    Real inverse_length;     // 1 / |b0|, 1/m
+    Real half_overlap;       // delta0 / 2 = (r_i + r_j - |b0|) / 2, m
 };
 
-// What it carries from sub-step to sub-step.
+// Of its discs: (r_i + r_j) / 2 and (r_i - r_j) / 2, m. The lever arm of f_t on the owner is r_i - delta/2 = |b|/2 + half_difference.
+template <class Real>
+struct ContactRadii {
+    Real half_sum, half_difference;
+
+    TALIK_HOST_DEVICE ContactRadii(Real half_owner, Real half_partner) : half_sum(half_owner + half_partner), half_difference(half_owner - half_partner) {}
+};
+
+// What it carries from sub-step to sub-step; besides, of its force, the tangential change: of f_t since the start, less what the
+// difference of the discs' rotations gives, N.
 template <class Real>
 struct ContactMemory {
-    Real turn;              // angle of the branch less mean rotation of its discs, rad
-    Real length_change;     // |b| - |b0|, m
-    Real tangential_change; // of f_t since the start, less what the difference of the discs' rotations gives, N
+    Real double_turn;       // twice the angle of the branch less the rotations of its discs, rad
+    Real half_change;       // (|b| - |b0|) / 2, m
 };
 
 // Where its ends have gone since the start.
@@ -38,13 +44,23 @@ struct CellMotion {
     Real xx, xy, yx, yy;
 };
 
+// Where its branch is now, and what it has done in this sub-step.
+template <class Real>
+struct ContactMotion {
+    Real normal_x, normal_y;       // n, -
+    Real overlap;                  // delta, m
+    Real double_slip;              // twice the slip along t of branch and mean rotation, m
+    Real roll;                     // slip since the start that unequal arms add, m
+    Real owner_arm, partner_arm;   // r_i - delta/2, r_j - delta/2, of f_t, m
+    Real opening;                  // of this sub-step, m; for the ledger of bonds
+};
+
 // What the contact does to its discs, and what the ledger books of it.
 template <class Real>
 struct ContactAction {
-    Real x, y;               // force on the partner, N; the owner gets the opposite
+    Real x, y;                         // force on the partner, N; the owner gets the opposite
     Real owner_torque, partner_torque; // N m
-    Real normal_x, normal_y, length;   // of the branch now, m
-    Real overlap, tangential;          // delta, m; f_t, N
+    Real tangential;                   // f_t, N
 };
 
 // The friction or bond energy that a sub-step has cost, J.
@@ -58,42 +74,62 @@ template <class Real>
 struct NoBondState {};
 template <class Real>
 struct BondState {
-    Real bonded;                 // 1 or 0
-    Real smaller_radius; // r of Eqs. (6), (7), m
-    Real beta;                   // beta_b of Eq. (8), -
+    Real bonded; // 1 or 0
+    Real beta;   // beta_b of Eq. (8), -
 };
 
-template <bool ledger, class Real, class Physics, class Bonds>
-TALIK_HOST_DEVICE ContactAction<Real> contact_step(const Physics& physics, const CellMotion<Real>& cell, const ContactStart<Real>& start,
-                                                   const RelativeMotion<Real>& moved, ContactMemory<Real>& memory, Bonds& bonds,
-                                                   Real old_tangential, ContactLoss<Real>& loss) {
-    constexpr bool with_bonds = Physics::with_bonds;
+// How the branch moves.
+template <class Real>
+TALIK_HOST_DEVICE ContactMotion<Real> contact_motion(const CellMotion<Real>& cell, const ContactStart<Real>& start, const ContactRadii<Real>& radii,
+                                                     const RelativeMotion<Real>& moved, ContactMemory<Real>& memory) {
     const Real nx = start.normal_x, ny = start.normal_y;
     // (b - b0) / |b0| = (F - I) n0 + (w_j - w_i) / |b0| (Eqs. 44, 45)
     const Real gx = (cell.xx * nx + cell.xy * ny) + moved.x * start.inverse_length;
     const Real gy = (cell.yx * nx + cell.yy * ny) + moved.y * start.inverse_length;
-    const BranchMotion<Real> branch(start.length, nx * gx + ny * gy, nx * gy - ny * gx);
+    const BranchMotion<Real> branch(nx * gx + ny * gy, nx * gy - ny * gx);
+    const Real half_start = radii.half_sum - start.half_overlap, half_change = half_start * branch.strain; // |b0| / 2, (|b| - |b0|) / 2, m
+    const Real half = half_start + half_change, half_overlap = start.half_overlap - half_change;
 
-    // The slip of this sub-step along t, second order: |b| at its middle times what the branch has turned more than its
-    // discs, less what unequal lever arms add: t . db - (r_i - delta/2) dtheta_i - (r_j - delta/2) dtheta_j, m.
-    const Real turn = branch.angle - Real(0.5) * moved.rotation_sum;
-    const Real middle = start.length + Real(0.5) * (branch.length_change + memory.length_change);
+    // The slip of this sub-step along t, second order: |b| at its middle (the sum of the halves at its ends) times what the
+    // branch has turned more than its discs, less what unequal lever arms add: t . db - (r_i - delta/2) dtheta_i -
+    // (r_j - delta/2) dtheta_j, m.
+    const Real double_turn = branch.twice_the_angle_less(moved.rotation_sum);
+    const Real middle = half + (half_start + memory.half_change);
+
+    ContactMotion<Real> motion;
+    motion.normal_x = (nx + gx) * branch.inverse_stretch; // n = (b / |b0|) / (|b| / |b0|)
+    motion.normal_y = (ny + gy) * branch.inverse_stretch;
+    motion.overlap = half_overlap + half_overlap;
+    motion.double_slip = middle * (double_turn - memory.double_turn);
+    motion.roll = radii.half_difference * moved.rotation_difference;
+    motion.owner_arm = half + radii.half_difference;
+    motion.partner_arm = half - radii.half_difference;
+    motion.opening = (half_change - memory.half_change) + (half_change - memory.half_change);
+    memory.double_turn = double_turn;
+    memory.half_change = half_change;
+    return motion;
+}
+
+// What its springs answer, Eqs. (5)-(7). tangential_start: f_t0, N.
+template <bool ledger, class Real, class Physics, class Bonds>
+TALIK_HOST_DEVICE ContactAction<Real> contact_force(const Physics& physics, const ContactMotion<Real>& motion, Real tangential_start, Real& tangential_change,
+                                                    Bonds& bonds, Real old_tangential, ContactLoss<Real>& loss) {
+    constexpr bool with_bonds = Physics::with_bonds;
     const Real kt = physics.contact.tangential_stiffness;
-    const Real carried = memory.tangential_change - kt * (middle * (turn - memory.turn)); // of f_t, by Eq. (5b), N
-    const Real overlap = start.overlap - branch.length_change;
-    const ContactForce<Real> trial{physics.contact.normal_stiffness * overlap,
-                                   start.tangential + (carried + kt * (start.half_difference * moved.rotation_difference))};
+    const Real carried = tangential_change - (Real(0.5) * kt) * motion.double_slip; // of f_t, by Eq. (5b), N
+    const ContactForce<Real> trial{physics.contact.normal_stiffness * motion.overlap, tangential_start + (carried + kt * motion.roll)};
     ContactForce<Real> force = physics.contact.limited(trial); // Eqs. (5a), (5c)
     Real friction_loss = Real(0);
     if constexpr (ledger) friction_loss = physics.contact.friction_loss(old_tangential, trial.tangential, force.tangential);
     if constexpr (with_bonds) {
+        // r of Eqs. (6), (7) is that of the smaller disc: its arm and half the overlap.
+        const Real smaller_radius = smaller(motion.owner_arm, motion.partner_arm) + Real(0.5) * motion.overlap;
         const auto held = bonds.bonded > Real(0.5);
-        const auto breaks = held & physics.bond.breaks(trial, bonds.smaller_radius, bonds.beta); // Eqs. (6), (7)
+        const auto breaks = held & physics.bond.breaks(trial, smaller_radius, bonds.beta); // Eqs. (6), (7)
         const auto holds = held & !breaks; // what breaks obeys the unbonded law, on the same step
         if constexpr (ledger) {
-            const Real opening = branch.length_change - memory.length_change;
             const Real slip = (old_tangential - trial.tangential) * (Real(2) * physics.contact.half_tangential_compliance);
-            loss.bond = choose(breaks, physics.contact.breaking_loss(trial, force, opening, slip), Real(0));
+            loss.bond = choose(breaks, physics.contact.breaking_loss(trial, force, motion.opening, slip), Real(0));
             friction_loss = choose(held, Real(0), friction_loss);
         }
         force.normal = choose(holds, trial.normal, force.normal);
@@ -101,23 +137,30 @@ TALIK_HOST_DEVICE ContactAction<Real> contact_step(const Physics& physics, const
         bonds.bonded = choose(holds, Real(1), Real(0));
     }
     if constexpr (ledger) loss.friction = friction_loss;
-    memory.turn = turn;
-    memory.length_change = branch.length_change;
-    memory.tangential_change = carried + (force.tangential - trial.tangential);
+    tangential_change = carried + (force.tangential - trial.tangential);
 
     ContactAction<Real> action;
-    action.normal_x = (nx + gx) * branch.inverse_stretch; // n = (b / |b0|) / (|b| / |b0|)
-    action.normal_y = (ny + gy) * branch.inverse_stretch;
-    action.length = start.length + branch.length_change;
-    action.overlap = overlap;
     action.tangential = force.tangential;
-    action.x = force.normal * action.normal_x - force.tangential * action.normal_y; // f_n n + f_t t
-    action.y = force.normal * action.normal_y + force.tangential * action.normal_x;
-    const Real half = Real(0.5) * action.length;
+    action.x = force.normal * motion.normal_x - force.tangential * motion.normal_y; // f_n n + f_t t
+    action.y = force.normal * motion.normal_y + force.tangential * motion.normal_x;
     const Real turning = -force.tangential; // on both discs the same way round
-    action.owner_torque = turning * (half + start.half_difference);
-    action.partner_torque = turning * (half - start.half_difference);
+    action.owner_torque = turning * motion.owner_arm;
+    action.partner_torque = turning * motion.partner_arm;
     return action;
 }
+
+// Sum of f x b over contacts, J, with |b| the sum of the arms.
+template <class Sum>
+struct ContactVirial {
+    Sum xx = Sum(0), yy = Sum(0), twice_xy = Sum(0);
+
+    template <class Real>
+    TALIK_HOST_DEVICE void add(const ContactMotion<Real>& motion, const ContactAction<Real>& action) {
+        const Real length = motion.owner_arm + motion.partner_arm, bx = length * motion.normal_x, by = length * motion.normal_y;
+        xx += static_cast<Sum>(action.x * bx);
+        yy += static_cast<Sum>(action.y * by);
+        twice_xy += static_cast<Sum>(action.x * by + action.y * bx);
+    }
+};
 
 } // namespace talik::farm

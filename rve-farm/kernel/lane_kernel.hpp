@@ -3,6 +3,7 @@
 // side by side; the owner's side stays in registers, the partner's is fetched as a row and answered as a row, which the
 // partner pulls in the next sub-step. Everything is in order and there is no scatter, so the bits are always the same.
 // Included by the files of the instruction levels only (lanes_*.cpp).
+#include <algorithm>
 #include <type_traits>
 
 #include "rve-farm/kernel/chunk.hpp"
@@ -17,112 +18,62 @@ struct ThisLevel {}; // keeps the code of this level apart
 template <class T>
 using LaneWork = Work<T, ThisLevel>;
 
-// Rows of four in vectors of this level: some rows to a vector, or two vectors to a row.
+// Running over the discs.
 template <class T>
-struct RowPack {
-    static constexpr int lanes = Pack<T>::lanes;
-    static constexpr int pieces = lanes >= 4 ? 1 : 4 / lanes; // vectors of a row
-    // The piece `p` of a row {a, b, c, 0}, in every row of the vector.
-    static Pack<T> constant(const T (&row)[4], int p) {
-        alignas(64) T buffer[lanes];
-        for (int k = 0; k < lanes; ++k) buffer[k] = row[(p * lanes + k) % 4];
-        return Pack<T>::load(buffer);
-    }
-    // Of the lanes of x and y of all rows.
-    static double largest_in_the_plane(Pack<T> v) {
-        alignas(64) T number[lanes];
-        v.store(number);
-        double largest = 0;
-        for (int k = 0; k < lanes; ++k)
-            if (k % 4 < 2 && static_cast<double>(number[k]) > largest) largest = static_cast<double>(number[k]);
-        return largest;
-    }
-    // x and y of each row change places; so do the other two.
-    static HWY_INLINE Pack<T> swapped(Pack<T> v) {
-        if constexpr (sizeof(T) == 4) return hn::Shuffle2301(v.v[0]);
-        else return hn::Shuffle01(v.v[0]);
-    }
-};
-
-// Sums of a sub-step that the ledger takes from the discs.
-struct DiscBooks {
-    double damping = 0, fluctuation_work = 0;
-    Symmetric power;
+struct DiscSweep {
+    Pack<T> largest_squared; // of the displacements, m^2
+    DiscLoss<Pack<T>> loss;  // for the ledger
 };
 
 // What is the same for all discs in a sub-step.
 template <class T>
 struct DiscConstants {
-    static constexpr int pieces = RowPack<T>::pieces;
-    Pack<T> own[pieces], shear[pieces], planar[pieces], kick, dt;
-
-    DiscConstants(const Symmetric& d, T kick_seconds, T dt_seconds) : kick(kick_seconds), dt(dt_seconds) {
-        const T own_row[4] = {static_cast<T>(d.xx), static_cast<T>(d.yy), 0, 0}, shear_row[4] = {static_cast<T>(d.xy), static_cast<T>(d.xy), 0, 0};
-        const T planar_row[4] = {1, 1, 0, 0};
-        for (int p = 0; p < pieces; ++p) {
-            own[p] = RowPack<T>::constant(own_row, p);
-            shear[p] = RowPack<T>::constant(shear_row, p);
-            planar[p] = RowPack<T>::constant(planar_row, p);
-        }
-    }
+    PlanarStretch<Pack<T>> change; // U - I
+    Pack<T> kick, dt;              // s
 };
 
-// Running over the discs.
-template <class T>
-struct DiscSweep {
-    Pack<T> largest_squared;                    // of the displacements, m^2; only the first two lanes of a row count
-    Pack<T> damping, fluctuation, power, cross; // for the ledger
-};
-
-// Newton for a run of discs. What comes in to a disc is added to what its own contacts have given, by number of vectors known
+// Newton for a run of discs. What comes in to a disc is added to what its own contacts have given, by number of contacts known
 // when compiled (most >= 0) or not. The sweep goes in and out by value: what is written through pointers cannot change it.
 template <int most, bool ledger, class T, class Physics>
 HWY_INLINE DiscSweep<T> move_run(const Physics& physics, const DiscConstants<T> c, const IncomingRun run, const std::int32_t* HWY_RESTRICT incoming,
                                  const LaneWork<T>& w, DiscSweep<T> sweep) {
     using P = Pack<T>;
-    using Rows = RowPack<T>;
-    constexpr int set = P::lanes >= 4 ? P::lanes / 4 : 1; // discs
-    const int degree = most >= 0 ? most : run.degree;
+    const int degree = most >= 0 ? most : run.degree, n = w.disc_slots;
     const T* HWY_RESTRICT rows = w.contact_force;
-    const T* HWY_RESTRICT forces = w.force;
-    const T* HWY_RESTRICT inverse_masses = w.inverse_mass;
-    T* HWY_RESTRICT velocities = w.velocity;
-    T* HWY_RESTRICT displacements = w.displacement;
-    const hn::ScalableTag<T> tag;
-    for (int n = 0; n < run.sets; ++n, incoming += degree * set)
-        for (int p = 0; p < Rows::pieces; ++p) {
-            const int k = 4 * (run.first_slot + n * set) + p * P::lanes;
-            P force = P::load(forces + k);
-            for (int m = 0; m < degree; ++m) force += P(load_units<P::lanes < 4 ? P::lanes : 4, 1>(tag, rows + p * P::lanes, incoming + m * set));
-            const P v = P::load(velocities + k), im = P::load(inverse_masses + k), u = P::load(displacements + k);
-            P damped;
-            P next = kicked(physics, force, v, c.kick, im, damped);
-            if constexpr (ledger) {
-                if constexpr (Physics::with_damping) sweep.damping += damping_loss(force, damped, v, next, c.kick);
-                sweep.power += c.planar[p] * (force * v);
-                sweep.cross += c.planar[p] * (force * Rows::swapped(v));
-            }
-            if constexpr (Physics::with_fluctuation) { // -D v_f, the reaction to the kinetic stress
-                const P lost = stretched(c.own[p], c.shear[p], v, Rows::swapped(v));
-                if constexpr (ledger) sweep.fluctuation += P::load(w.mass + k) * (lost * (v + next - lost));
-                next = next - lost;
-            }
-            next.store(velocities + k);
-            const P moved = u + (stretched(c.own[p], c.shear[p], u, Rows::swapped(u)) + c.dt * next); // w <- U w + dt v_f
-            moved.store(displacements + k);
-            const P squared = moved * moved; // |w|^2 in the first two lanes of a row
-            if (p == 0) sweep.largest_squared = larger(squared + Rows::swapped(squared), sweep.largest_squared);
+    T* HWY_RESTRICT displacement = w.displacement;
+    T* HWY_RESTRICT velocity = w.velocity;
+    T* HWY_RESTRICT moved = w.moved;
+    for (int k = run.first_slot, end = run.first_slot + run.sets * P::lanes; k < end; k += P::lanes, incoming += degree * P::lanes) {
+        P force[3] = {P::load(w.force + k), P::load(w.force + n + k), P::load(w.force + 2 * n + k)};
+        if (degree > 0) {
+            RowsOfLanes<T> sum(rows, incoming);
+            for (int m = 1; m < degree; ++m) sum += RowsOfLanes<T>(rows, incoming + m * P::lanes);
+            P x, y, torque, nothing;
+            sum.transpose(x.v[0], y.v[0], torque.v[0], nothing.v[0]);
+            force[0] += x, force[1] += y, force[2] += torque;
         }
+        const P inverse_mass = P::load(w.inverse_mass + k);
+        P mass;
+        if constexpr (ledger && Physics::with_fluctuation) mass = P::load(w.mass + k);
+        P v[3] = {P::load(velocity + k), P::load(velocity + n + k), P::load(velocity + 2 * n + k)};
+        P u[3] = {P::load(moved + k), P::load(moved + n + k), P::load(moved + 2 * n + k)};
+        disc_step<ledger>(physics, c.change, c.kick, c.dt, force, {inverse_mass, inverse_mass, P::load(w.inverse_mass + n + k)}, mass, v, u, sweep.loss);
+        for (int a = 0; a < 3; ++a) {
+            v[a].store(velocity + a * n + k);
+            u[a].store(moved + a * n + k);
+        }
+        store_rows(u[0], u[1], u[2], P::load(moved + 3 * n + k), displacement + 4 * k);
+        sweep.largest_squared = larger(u[0] * u[0] + u[1] * u[1], sweep.largest_squared);
+    }
     return sweep;
 }
 
 // Newton for all discs: those of equal degree follow one another, so that no branch is mispredicted.
 template <bool ledger, class T, class Physics>
 HWY_INLINE void move_discs(const Physics& physics, const SlotLayout& layout, const Symmetric& d, T kick, T dt, const LaneWork<T>& w, Pack<T>& largest_squared,
-                           DiscBooks& books) {
-    const DiscConstants<T> c(d, kick, dt);
-    DiscSweep<T> sweep;
-    sweep.largest_squared = largest_squared;
+                           DiscLoss<double>& books) {
+    const DiscConstants<T> c{{d.xx, d.yy, d.xy}, kick, dt};
+    DiscSweep<T> sweep{largest_squared, {}};
     const std::int32_t* incoming = layout.incoming_of_sets.data();
     for (const IncomingRun run : layout.runs) {
         switch (run.degree) {
@@ -134,20 +85,12 @@ HWY_INLINE void move_discs(const Physics& physics, const SlotLayout& layout, con
         case 5: sweep = move_run<5, ledger>(physics, c, run, incoming, w, sweep); break;
         default: sweep = move_run<-1, ledger>(physics, c, run, incoming, w, sweep);
         }
-        incoming += run.degree * run.sets * layout.shape.rows_of_a_vector;
+        incoming += run.degree * run.sets * Pack<T>::lanes;
     }
     largest_squared = sweep.largest_squared;
     if constexpr (ledger) {
-        books.damping = sweep.damping.sum();
-        books.fluctuation_work = -sweep.fluctuation.sum() / 2;
-        alignas(64) T power[Pack<T>::lanes];
-        sweep.power.store(power);
-        double x = 0, y = 0;
-        for (int k = 0; k < Pack<T>::lanes; k += 2) { // rows {x, y, 0, 0}
-            x += static_cast<double>(power[k]);
-            y += static_cast<double>(power[k + 1]);
-        }
-        books.power = {x, y, sweep.cross.sum() / 2};
+        const DiscLoss<Pack<T>>& sum = sweep.loss;
+        books = {sum.damping.sum(), sum.fluctuation_work.sum(), sum.power_xx.sum(), sum.power_yy.sum(), sum.twice_power_xy.sum()};
     }
 }
 
@@ -168,68 +111,144 @@ auto physics_of_contacts(const Physics& p) {
     return farm::Physics<decltype(of_contacts(p.bond)), NoDamping, NoFluctuation, Contacts<T>>{contact, of_contacts(p.bond), {}, {}};
 }
 
+// Whether the branches of some groups move before any of their contacts answers: two short chains keep a core busier than a long
+// one and need fewer registers, which outweighs what is put by between them wherever there is more to a contact than in the
+// plainest scene in single precision. Measured: docs/performance.md.
 template <bool ledger, class T, class Physics>
-HWY_INLINE void step_contacts(const Physics& physics, const CellMotion<Contacts<T>>& cell, T beta_of_now, const SlotLayout& layout, LaneWork<T>& w, ContactBooks& books) {
-    using P = Contacts<T>;
-    const hn::ScalableTag<T> d;
-    [[maybe_unused]] P friction_sum, bond_sum, xx_sum, yy_sum, xy_sum;
-    [[maybe_unused]] const P beta(beta_of_now);
+constexpr bool in_two_passes = sizeof(T) == 8 || Physics::with_bonds || ledger;
+
+// What a contact puts by from the one pass to the other.
+template <class P, class T>
+HWY_INLINE void put_by(const ContactMotion<P>& m, bool with_opening, T* at) {
+    m.normal_x.store(at);
+    m.normal_y.store(at + P::lanes);
+    m.overlap.store(at + 2 * P::lanes);
+    m.double_slip.store(at + 3 * P::lanes);
+    m.roll.store(at + 4 * P::lanes);
+    m.owner_arm.store(at + 5 * P::lanes);
+    m.partner_arm.store(at + 6 * P::lanes);
+    if (with_opening) m.opening.store(at + 7 * P::lanes);
+}
+template <class P, class T>
+HWY_INLINE ContactMotion<P> fetch(bool with_opening, const T* at) {
+    return {P::load(at), P::load(at + P::lanes), P::load(at + 2 * P::lanes), P::load(at + 3 * P::lanes), P::load(at + 4 * P::lanes), P::load(at + 5 * P::lanes), P::load(at + 6 * P::lanes),
+            with_opening ? P::load(at + 7 * P::lanes) : P()};
+}
+
+// The discs that own the contacts of a group.
+template <class P>
+struct Owners {
+    P x, y, rotation, half_radius;
+};
+
+// The branches of a pack of contacts.
+template <class T, class P>
+HWY_INLINE ContactMotion<P> move_branches(const CellMotion<P>& cell, const Owners<P>& own, const T* HWY_RESTRICT displacement, const std::int32_t* HWY_RESTRICT partner,
+                                          T* HWY_RESTRICT field) {
     using F = ContactField;
-    constexpr int block = F::count(Physics::with_bonds, ledger) * P::lanes;
-    const std::int32_t* HWY_RESTRICT partner = layout.partner.data();
-    const std::int32_t* HWY_RESTRICT own_rows = layout.own_rows.data();
+    const auto get = [&](int f) HWY_ATTR { return P::load(field + f * P::lanes); };
+    P x, y, rotation, half_radius;
+    gather_rows(displacement, partner, x, y, rotation, half_radius);
+    const RelativeMotion<P> moved{x - own.x, y - own.y, rotation + own.rotation, own.rotation - rotation};
+    const ContactStart<P> start{get(F::normal_x), get(F::normal_y), get(F::inverse_length), get(F::half_overlap)};
+    ContactMemory<P> memory{get(F::double_turn), get(F::half_change)};
+    const ContactMotion<P> motion = contact_motion(cell, start, ContactRadii<P>(own.half_radius, half_radius), moved, memory);
+    memory.double_turn.store(field + F::double_turn * P::lanes);
+    memory.half_change.store(field + F::half_change * P::lanes);
+    return motion;
+}
+
+// Over the contacts of a group: what they give to their owners; and over all, for the ledger.
+template <class P>
+struct ContactSweep {
+    P x, y, torque;          // N, N, N m
+    P friction, bond;        // J
+    ContactVirial<P> virial; // J
+};
+
+// And what they answer.
+template <bool ledger, class T, class P, class Physics>
+HWY_INLINE void answer_motion(const Physics& physics, const ContactMotion<P>& motion, P beta, T* HWY_RESTRICT field, T* HWY_RESTRICT rows, ContactSweep<P>& sweep) {
+    using F = ContactField;
+    const auto get = [&](int f) HWY_ATTR { return P::load(field + f * P::lanes); };
+    const auto put = [&](int f, P value) HWY_ATTR { value.store(field + f * P::lanes); };
+    P change = get(F::tangential_change), old_tangential;
+    if constexpr (ledger) old_tangential = get(F::tangential(Physics::with_bonds));
+    ContactLoss<P> loss;
+    ContactAction<P> action;
+    if constexpr (Physics::with_bonds) {
+        BondState<P> bonds{get(F::bonded), beta};
+        action = contact_force<ledger>(physics, motion, get(F::tangential_start), change, bonds, old_tangential, loss);
+        put(F::bonded, bonds.bonded);
+    } else {
+        NoBondState<P> none;
+        action = contact_force<ledger>(physics, motion, get(F::tangential_start), change, none, old_tangential, loss);
+    }
+    put(F::tangential_change, change);
+    store_rows(action.x, action.y, action.partner_torque, P(), rows);
+    sweep.x -= action.x;
+    sweep.y -= action.y;
+    sweep.torque += action.owner_torque;
+    if constexpr (ledger) {
+        put(F::tangential(Physics::with_bonds), action.tangential);
+        sweep.friction += loss.friction;
+        if constexpr (Physics::with_bonds) sweep.bond += loss.bond;
+        sweep.virial.add(motion, action);
+    }
+}
+
+template <bool ledger, class T, class Physics>
+HWY_INLINE void step_contacts(const Physics& physics, const CellMotion<Contacts<T>>& cell, T beta_of_now, const SlotLayout& layout, const LaneWork<T>& w, ContactBooks& books) {
+    using P = Contacts<T>;
+    constexpr bool two_passes = in_two_passes<ledger, T, Physics>, opening = ledger && Physics::with_bonds;
+    constexpr int block = ContactField::count(Physics::with_bonds, ledger) * P::lanes, put_aside = LaneWork<T>::motions * P::lanes;
+    const P beta(beta_of_now);
     const std::int32_t* HWY_RESTRICT group_begin = layout.group_begin.data();
+    const std::int32_t* HWY_RESTRICT partner = layout.partner.data();
     const T* HWY_RESTRICT displacement = w.displacement;
-    T* HWY_RESTRICT field = w.blocks;
     T* HWY_RESTRICT rows = w.contact_force;
-    for (int g = 0; g < layout.groups; ++g) {
-        P own_x, own_y, own_rotation;
-        gather_rows(displacement, own_rows + g * P::lanes, own_x, own_y, own_rotation);
-        P sum_x, sum_y, sum_torque;
-        for (int k = group_begin[g]; k < group_begin[g + 1]; k += P::lanes, partner += P::lanes, field += block, rows += 4 * P::lanes) {
-            P x, y, rotation;
-            gather_rows(displacement, partner, x, y, rotation);
-            const RelativeMotion<P> moved{x - own_x, y - own_y, rotation + own_rotation, own_rotation - rotation};
-            const auto get = [&](int f) HWY_ATTR { return P::load(field + f * P::lanes); };
-            const auto put = [&](int f, P value) HWY_ATTR { value.store(field + f * P::lanes); };
-            const ContactStart<P> start{get(F::normal_x), get(F::normal_y), get(F::length), get(F::inverse_length), get(F::overlap), get(F::half_difference), get(F::tangential_start)};
-            ContactMemory<P> memory{get(F::turn), get(F::length_change), get(F::tangential_change)};
-            ContactLoss<P> loss;
-            P old_tangential;
-            if constexpr (ledger) old_tangential = get(F::tangential(Physics::with_bonds));
-            ContactAction<P> action;
-            if constexpr (Physics::with_bonds) {
-                BondState<P> bonds{get(F::bonded), get(F::smaller_radius), beta};
-                action = contact_step<ledger>(physics, cell, start, moved, memory, bonds, old_tangential, loss);
-                put(F::bonded, bonds.bonded);
-            } else {
-                NoBondState<P> none;
-                action = contact_step<ledger>(physics, cell, start, moved, memory, none, old_tangential, loss);
-            }
-            put(F::turn, memory.turn);
-            put(F::length_change, memory.length_change);
-            put(F::tangential_change, memory.tangential_change);
-            store_rows(action.x, action.y, action.partner_torque, rows);
-            sum_x -= action.x;
-            sum_y -= action.y;
-            sum_torque += action.owner_torque;
-            if constexpr (ledger) {
-                put(F::tangential(Physics::with_bonds), action.tangential);
-                friction_sum += loss.friction;
-                if constexpr (Physics::with_bonds) bond_sum += loss.bond;
-                const P bx = action.length * action.normal_x, by = action.length * action.normal_y;
-                xx_sum += action.x * bx;
-                yy_sum += action.y * by;
-                xy_sum += action.x * by + action.y * bx;
+    T* HWY_RESTRICT field = w.blocks;
+    const int n = w.disc_slots;
+    const auto owners_of = [&](int g) HWY_ATTR {
+        const T* own = w.moved + g * P::lanes;
+        return Owners<P>{P::load(own), P::load(own + n), P::load(own + 2 * n), P::load(own + 3 * n)};
+    };
+    ContactSweep<P> sweep;
+    for (int first = 0; first < layout.groups; first += w.groups_at_once) {
+        const int last = std::min(first + w.groups_at_once, layout.groups);
+        if constexpr (two_passes) {
+            T* HWY_RESTRICT moving = field;
+            T* HWY_RESTRICT motion = w.motion;
+            for (int g = first; g < last; ++g) {
+                const Owners<P> own = owners_of(g);
+                for (int k = group_begin[g]; k < group_begin[g + 1]; k += P::lanes, partner += P::lanes, moving += block, motion += put_aside)
+                    put_by(move_branches(cell, own, displacement, partner, moving), opening, motion);
             }
         }
-        for (int k = 0; k < vectors_of_contacts; ++k) // in the order of the discs
-            hn::StoreInterleaved4(sum_x.v[k], sum_y.v[k], sum_torque.v[k], hn::Zero(d), d, w.force + 4 * (g * P::lanes + k * Pack<T>::lanes));
+        const T* HWY_RESTRICT motion = w.motion;
+        for (int g = first; g < last; ++g) {
+            [[maybe_unused]] Owners<P> own;
+            if constexpr (!two_passes) own = owners_of(g);
+            sweep.x = sweep.y = sweep.torque = P();
+            for (int k = group_begin[g]; k < group_begin[g + 1]; k += P::lanes, field += block, rows += 4 * P::lanes) {
+                if constexpr (two_passes) {
+                    answer_motion<ledger>(physics, fetch<P>(opening, motion), beta, field, rows, sweep);
+                    motion += put_aside;
+                } else {
+                    answer_motion<ledger>(physics, move_branches(cell, own, displacement, partner, field), beta, field, rows, sweep);
+                    partner += P::lanes;
+                }
+            }
+            T* force = w.force + g * P::lanes;
+            sweep.x.store(force);
+            sweep.y.store(force + n);
+            sweep.torque.store(force + 2 * n);
+        }
     }
     if constexpr (ledger) {
-        books.friction = friction_sum.sum();
-        books.bond = bond_sum.sum();
-        books.virial = {xx_sum.sum(), yy_sum.sum(), xy_sum.sum() / 2};
+        books.friction = sweep.friction.sum();
+        books.bond = sweep.bond.sum();
+        books.virial = {sweep.virial.xx.sum(), sweep.virial.yy.sum(), sweep.virial.twice_xy.sum() / 2};
     }
 }
 
@@ -246,7 +265,7 @@ ChunkOutcome run_lanes(const Physics& physics, const ContactLaw<double>& law, co
     for (int k = 0; k < w.disc_slots; ++k) {
         T sum[3] = {0, 0, 0};
         add_owned(w, layout, k, sum);
-        for (int a = 0; a < 3; ++a) w.force[4 * k + a] = sum[a];
+        for (int a = 0; a < 3; ++a) w.force[a * w.disc_slots + k] = sum[a];
     }
     ChunkOutcome outcome;
     ChunkMotion cell;
@@ -257,7 +276,7 @@ ChunkOutcome run_lanes(const Physics& physics, const ContactLaw<double>& law, co
     P largest_squared;
     outcome.load_seconds = clock.lap();
     for (int step = 0; step < request.substeps; ++step) {
-        DiscBooks of_discs;
+        DiscLoss<double> of_discs;
         move_discs<ledger>(physics, layout, stretch.change(), static_cast<T>(step == 0 ? request.first_kick : request.sub_step), static_cast<T>(request.sub_step), w,
                            largest_squared, of_discs); // Eqs. (44)-(46)
         cell.advance(stretch);
@@ -268,15 +287,14 @@ ChunkOutcome run_lanes(const Physics& physics, const ContactLaw<double>& law, co
             booked.friction += of_contacts.friction;
             booked.bond += of_contacts.bond;
             booked.work += of_discs.fluctuation_work;
-            work.sub_step(stretch.change(), stretch.change_seen_from_the_end(), of_contacts.virial, of_discs.power, request.sub_step, booked);
+            work.sub_step(stretch.change(), stretch.change_seen_from_the_end(), of_contacts.virial, {of_discs.power_xx, of_discs.power_yy, of_discs.twice_power_xy / 2}, request.sub_step, booked);
         }
         outcome.strain += stretch.largest_strain();
         outcome.last_stretch = stretch;
         stretch.turn_with_the_frame();
     }
     outcome.stretch = stretch;
-    const double largest = RowPack<T>::largest_in_the_plane(largest_squared);
-    finish(request, clock, cell, law, layout, w, s, booked, std::sqrt(largest), true, outcome);
+    finish(request, clock, cell, law, layout, w, s, booked, std::sqrt(largest_squared.largest()), outcome);
     return outcome;
 }
 
@@ -296,7 +314,7 @@ template <class T>
 LaneShape shape() {
     LaneShape s;
     s.lanes = Contacts<T>::lanes;
-    s.rows_of_a_vector = Pack<T>::lanes >= 4 ? Pack<T>::lanes / 4 : 1;
+    s.lanes_of_a_vector = Pack<T>::lanes;
     row_order<T, vectors_of_contacts>(s.row_of_lane);
     return s;
 }

@@ -30,6 +30,18 @@ private:
     }
 };
 
+// a brought back to at most `limit` >= 0 either way; AVX-512 does it in one.
+template <class V>
+HWY_INLINE V brought_within(V limit, V a) {
+#if HWY_TARGET == HWY_AVX3
+    constexpr int smaller_magnitude_with_sign_of_first = 2;
+    if constexpr (sizeof(hn::TFromV<V>) == 4) return V{_mm512_range_ps(a.raw, limit.raw, smaller_magnitude_with_sign_of_first)};
+    else return V{_mm512_range_pd(a.raw, limit.raw, smaller_magnitude_with_sign_of_first)};
+#else
+    return hn::Min(hn::Max(a, hn::Neg(limit)), limit);
+#endif
+}
+
 // N vectors as one number. Two of them in turn keep a core busy that would wait for the long chain of one contact.
 template <class T, int N = 1>
 struct Pack {
@@ -77,6 +89,7 @@ struct Pack {
     }
     friend HWY_INLINE Pack larger(Pack a, Pack b) { return both(a, b, [](V x, V y) HWY_ATTR { return hn::Max(x, y); }); }
     friend HWY_INLINE Pack smaller(Pack a, Pack b) { return both(a, b, [](V x, V y) HWY_ATTR { return hn::Min(x, y); }); }
+    friend HWY_INLINE Pack within(Pack limit, Pack a) { return both(a, limit, [](V x, V most) HWY_ATTR { return brought_within(most, x); }); }
     friend HWY_INLINE Pack magnitude(Pack a) { return both(a, a, [](V x, V) HWY_ATTR { return hn::Abs(x); }); }
     friend HWY_INLINE Pack with_sign_of(Pack a, Pack b) { return both(a, b, [](V x, V y) HWY_ATTR { return hn::CopySign(x, y); }); }
     friend HWY_INLINE Pack choose(Mask<T, N> condition, Pack yes, Pack no) {
@@ -135,85 +148,109 @@ template <class V> V first_pairs_of_blocks(V, V);
 template <class V> V last_pairs_of_blocks(V, V);
 #endif
 
-// Three columns of the rows of four at rows + index[lane], for one vector of lanes. (A gather by hand: loads of rows and
-// in-block transposes; the hardware's gathers are slower on the machines measured.)
-template <class V>
-HWY_INLINE void gather_vector(const float* rows, const std::int32_t* index, V& x, V& y, V& z) {
-    const hn::ScalableTag<float> d;
-    const hn::RepartitionToWide<decltype(d)> wide;
-    const auto r0 = load_units<4, 4>(d, rows, index), r1 = load_units<4, 4>(d, rows, index + 1);
-    const auto r2 = load_units<4, 4>(d, rows, index + 2), r3 = load_units<4, 4>(d, rows, index + 3);
-    const auto xy01 = hn::InterleaveLower(d, r0, r1), xy23 = hn::InterleaveLower(d, r2, r3); // x0 x1 y0 y1 in each block
-    const auto z01 = hn::InterleaveUpper(d, r0, r1), z23 = hn::InterleaveUpper(d, r2, r3);
-    x = hn::BitCast(d, hn::InterleaveLower(wide, hn::BitCast(wide, xy01), hn::BitCast(wide, xy23)));
-    y = hn::BitCast(d, hn::InterleaveUpper(wide, hn::BitCast(wide, xy01), hn::BitCast(wide, xy23)));
-    z = hn::BitCast(d, hn::InterleaveLower(wide, hn::BitCast(wide, z01), hn::BitCast(wide, z23)));
-}
+// The rows of four at rows + index[lane], for one vector of lanes: fetched as rows, added as rows, transposed at the end. (A
+// gather by hand: loads of rows and in-block transposes; the hardware's gathers are slower on the machines measured.)
+template <class T>
+struct RowsOfLanes;
 
-template <class V>
-HWY_INLINE void gather_vector(const double* rows, const std::int32_t* index, V& x, V& y, V& z) {
-    const hn::ScalableTag<double> d;
-    if constexpr (hn::MaxLanes(hn::ScalableTag<double>()) >= 4) {
-        // Rows k and k + 2 side by side (or row k alone): blocks x_k y_k | z_k 0.
-        constexpr int other = hn::MaxLanes(hn::ScalableTag<double>()) == 8 ? 4 : 2;
-        const auto r0 = load_units<4, 2>(d, rows, index), r1 = load_units<4, 2>(d, rows, index + 1);
-        const auto r2 = load_units<4, 2>(d, rows, index + other), r3 = load_units<4, 2>(d, rows, index + other + 1);
-        const auto xz01 = hn::InterleaveLower(d, r0, r1), xz23 = hn::InterleaveLower(d, r2, r3); // x0 x1 | z0 z1 | x2 x3 | z2 z3
-        const auto y01 = hn::InterleaveUpper(d, r0, r1), y23 = hn::InterleaveUpper(d, r2, r3);
-        x = even_blocks(xz01, xz23);
-        y = even_blocks(y01, y23);
-        z = odd_blocks(xz01, xz23);
-    } else {
-        const auto xy0 = load_units<2, 2>(d, rows, index), xy1 = load_units<2, 2>(d, rows, index + 1);
-        const auto z0 = load_units<2, 2>(d, rows + 2, index), z1 = load_units<2, 2>(d, rows + 2, index + 1);
-        x = hn::InterleaveLower(d, xy0, xy1);
-        y = hn::InterleaveUpper(d, xy0, xy1);
-        z = hn::InterleaveLower(d, z0, z1);
+template <>
+struct RowsOfLanes<float> {
+    using D = hn::ScalableTag<float>;
+    hn::Vec<D> r[4]; // each block of r[p]: the row of its p-th lane
+
+    HWY_INLINE RowsOfLanes(const float* rows, const std::int32_t* index) { for (int p = 0; p < 4; ++p) r[p] = load_units<4, 4>(D(), rows, index + p); }
+    template <class V>
+    HWY_INLINE void transpose(V& x, V& y, V& z, V& w) const {
+        const D d;
+        const hn::RepartitionToWide<D> wide;
+        const auto xy01 = hn::BitCast(wide, hn::InterleaveLower(d, r[0], r[1])), xy23 = hn::BitCast(wide, hn::InterleaveLower(d, r[2], r[3])); // x0 x1 y0 y1
+        const auto zw01 = hn::BitCast(wide, hn::InterleaveUpper(d, r[0], r[1])), zw23 = hn::BitCast(wide, hn::InterleaveUpper(d, r[2], r[3]));
+        x = hn::BitCast(d, hn::InterleaveLower(wide, xy01, xy23));
+        y = hn::BitCast(d, hn::InterleaveUpper(wide, xy01, xy23));
+        z = hn::BitCast(d, hn::InterleaveLower(wide, zw01, zw23));
+        w = hn::BitCast(d, hn::InterleaveUpper(wide, zw01, zw23));
     }
+};
+
+template <>
+struct RowsOfLanes<double> {
+    using D = hn::ScalableTag<double>;
+    static constexpr int lanes = static_cast<int>(HWY_LANES(double));
+    hn::Vec<D> r[4]; // rows k and k + 2 side by side (or row k alone): blocks x_k y_k | z_k w_k; with two lanes x0 y0, x1 y1, z0 w0, z1 w1
+
+    HWY_INLINE RowsOfLanes(const double* rows, const std::int32_t* index) {
+        const D d;
+        if constexpr (lanes >= 4) {
+            constexpr int other = lanes == 8 ? 4 : 2;
+            r[0] = load_units<4, 2>(d, rows, index), r[1] = load_units<4, 2>(d, rows, index + 1);
+            r[2] = load_units<4, 2>(d, rows, index + other), r[3] = load_units<4, 2>(d, rows, index + other + 1);
+        } else {
+            r[0] = load_units<2, 2>(d, rows, index), r[1] = load_units<2, 2>(d, rows, index + 1);
+            r[2] = load_units<2, 2>(d, rows + 2, index), r[3] = load_units<2, 2>(d, rows + 2, index + 1);
+        }
+    }
+    template <class V>
+    HWY_INLINE void transpose(V& x, V& y, V& z, V& w) const {
+        const D d;
+        const auto xz01 = hn::InterleaveLower(d, r[0], r[1]), xz23 = hn::InterleaveLower(d, r[2], r[3]); // x0 x1 | z0 z1 | x2 x3 | z2 z3
+        const auto yw01 = hn::InterleaveUpper(d, r[0], r[1]), yw23 = hn::InterleaveUpper(d, r[2], r[3]);
+        if constexpr (lanes >= 4) {
+            x = even_blocks(xz01, xz23);
+            y = even_blocks(yw01, yw23);
+            z = odd_blocks(xz01, xz23);
+            w = odd_blocks(yw01, yw23);
+        } else {
+            x = xz01, y = yw01, z = xz23, w = yw23;
+        }
+    }
+};
+
+template <class T>
+HWY_INLINE RowsOfLanes<T>& operator+=(RowsOfLanes<T>& a, const RowsOfLanes<T>& b) {
+    for (int p = 0; p < 4; ++p) a.r[p] = hn::Add(a.r[p], b.r[p]);
+    return a;
 }
 
-// The other way: one row {x, y, z, 0} per lane, in whatever order of lanes costs least (row_order says which).
+// The other way: one row {x, y, z, w} per lane, in whatever order of lanes costs least (row_order says which).
 template <class V>
-HWY_INLINE void store_vector(V x, V y, V z, float* rows) {
+HWY_INLINE void store_vector(V x, V y, V z, V w, float* rows) {
     const hn::ScalableTag<float> d;
     const hn::RepartitionToWide<decltype(d)> wide;
     constexpr int n = Pack<float>::lanes;
-    const auto zero = hn::Zero(d);
     const auto xy0 = hn::BitCast(wide, hn::InterleaveLower(d, x, y)), xy2 = hn::BitCast(wide, hn::InterleaveUpper(d, x, y)); // x0 y0 x1 y1
-    const auto z0 = hn::BitCast(wide, hn::InterleaveLower(d, z, zero)), z2 = hn::BitCast(wide, hn::InterleaveUpper(d, z, zero));
-    hn::Store(hn::BitCast(d, hn::InterleaveLower(wide, xy0, z0)), d, rows);
-    hn::Store(hn::BitCast(d, hn::InterleaveUpper(wide, xy0, z0)), d, rows + n);
-    hn::Store(hn::BitCast(d, hn::InterleaveLower(wide, xy2, z2)), d, rows + 2 * n);
-    hn::Store(hn::BitCast(d, hn::InterleaveUpper(wide, xy2, z2)), d, rows + 3 * n);
+    const auto zw0 = hn::BitCast(wide, hn::InterleaveLower(d, z, w)), zw2 = hn::BitCast(wide, hn::InterleaveUpper(d, z, w));
+    hn::Store(hn::BitCast(d, hn::InterleaveLower(wide, xy0, zw0)), d, rows);
+    hn::Store(hn::BitCast(d, hn::InterleaveUpper(wide, xy0, zw0)), d, rows + n);
+    hn::Store(hn::BitCast(d, hn::InterleaveLower(wide, xy2, zw2)), d, rows + 2 * n);
+    hn::Store(hn::BitCast(d, hn::InterleaveUpper(wide, xy2, zw2)), d, rows + 3 * n);
 }
 template <class V>
-HWY_INLINE void store_vector(V x, V y, V z, double* rows) {
+HWY_INLINE void store_vector(V x, V y, V z, V w, double* rows) {
     const hn::ScalableTag<double> d;
     constexpr int n = Pack<double>::lanes;
-    const auto zero = hn::Zero(d);
     const auto xy0 = hn::InterleaveLower(d, x, y), xy1 = hn::InterleaveUpper(d, x, y); // blocks x0 y0 | x2 y2 | ...
-    const auto z0 = hn::InterleaveLower(d, z, zero), z1 = hn::InterleaveUpper(d, z, zero);
+    const auto zw0 = hn::InterleaveLower(d, z, w), zw1 = hn::InterleaveUpper(d, z, w);
     if constexpr (n >= 4) {
-        hn::Store(first_pairs_of_blocks(xy0, z0), d, rows);
-        hn::Store(last_pairs_of_blocks(xy0, z0), d, rows + n);
-        hn::Store(first_pairs_of_blocks(xy1, z1), d, rows + 2 * n);
-        hn::Store(last_pairs_of_blocks(xy1, z1), d, rows + 3 * n);
+        hn::Store(first_pairs_of_blocks(xy0, zw0), d, rows);
+        hn::Store(last_pairs_of_blocks(xy0, zw0), d, rows + n);
+        hn::Store(first_pairs_of_blocks(xy1, zw1), d, rows + 2 * n);
+        hn::Store(last_pairs_of_blocks(xy1, zw1), d, rows + 3 * n);
     } else {
         hn::Store(xy0, d, rows);
-        hn::Store(z0, d, rows + n);
+        hn::Store(zw0, d, rows + n);
         hn::Store(xy1, d, rows + 2 * n);
-        hn::Store(z1, d, rows + 3 * n);
+        hn::Store(zw1, d, rows + 3 * n);
     }
 }
 
 // For packs of several vectors.
 template <class T, int N>
-HWY_INLINE void gather_rows(const T* rows, const std::int32_t* index, Pack<T, N>& x, Pack<T, N>& y, Pack<T, N>& z) {
-    for (int k = 0; k < N; ++k) gather_vector(rows, index + k * Pack<T>::lanes, x.v[k], y.v[k], z.v[k]);
+HWY_INLINE void gather_rows(const T* rows, const std::int32_t* index, Pack<T, N>& x, Pack<T, N>& y, Pack<T, N>& z, Pack<T, N>& w) {
+    for (int k = 0; k < N; ++k) RowsOfLanes<T>(rows, index + k * Pack<T>::lanes).transpose(x.v[k], y.v[k], z.v[k], w.v[k]);
 }
 template <class T, int N>
-HWY_INLINE void store_rows(const Pack<T, N>& x, const Pack<T, N>& y, const Pack<T, N>& z, T* rows) {
-    for (int k = 0; k < N; ++k) store_vector(x.v[k], y.v[k], z.v[k], rows + 4 * k * Pack<T>::lanes);
+HWY_INLINE void store_rows(const Pack<T, N>& x, const Pack<T, N>& y, const Pack<T, N>& z, const Pack<T, N>& w, T* rows) {
+    for (int k = 0; k < N; ++k) store_vector(x.v[k], y.v[k], z.v[k], w.v[k], rows + 4 * k * Pack<T>::lanes);
 }
 
 // Where store_rows puts the row of each lane of a pack: asked of itself.
@@ -223,7 +260,7 @@ void row_order(std::int8_t (&row_of_lane)[64]) {
     alignas(64) T number[P::lanes], rows[4 * P::lanes];
     for (int lane = 0; lane < P::lanes; ++lane) number[lane] = static_cast<T>(lane + 1);
     const P lanes = P::load(number);
-    store_rows(lanes, P(), P(), rows);
+    store_rows(lanes, P(), P(), P(), rows);
     for (int row = 0; row < P::lanes; ++row) row_of_lane[static_cast<int>(rows[4 * row]) - 1] = static_cast<std::int8_t>(row);
 }
 

@@ -14,17 +14,17 @@ void move_disc(const Physics& physics, const SlotLayout& layout, const PlanarStr
     Real force[3] = {0, 0, 0};
     add_owned(w, layout, k, force);
     add_incoming(w, layout, k, force);
-    const int row = 4 * k;
-    Real *velocity = w.velocity + row, *displacement = w.displacement + row;
-    const Real* im = w.inverse_mass + row;
-    Real v[3] = {velocity[0], velocity[1], velocity[2]}, u[3] = {displacement[0], displacement[1], displacement[2]};
-    DiscLoss loss;
-    disc_step<ledger>(physics, d, kick, dt, force, {im[0], im[1], im[2]}, w.mass ? w.mass[row] : Real(0), v, u, loss);
-    for (int a = 0; a < 3; ++a) velocity[a] = v[a], displacement[a] = u[a];
+    const int n = w.disc_slots;
+    Real *velocity = w.velocity + k, *row = w.displacement + layout.own_rows[static_cast<std::size_t>(k)];
+    const Real* im = w.inverse_mass + k;
+    Real v[3] = {velocity[0], velocity[n], velocity[2 * n]}, u[3] = {row[0], row[1], row[2]};
+    DiscLoss<double> loss;
+    disc_step<ledger>(physics, d, kick, dt, force, {im[0], im[0], im[n]}, w.mass ? w.mass[k] : Real(0), v, u, loss);
+    for (int a = 0; a < 3; ++a) velocity[a * n] = v[a], row[a] = u[a];
     if constexpr (ledger) {
         double* booked = w.booked + Work<Real, Plain>::booked_columns * k;
         booked[0] = loss.damping, booked[1] = loss.fluctuation_work;
-        booked[2] = loss.power.xx, booked[3] = loss.power.yy, booked[4] = loss.power.xy;
+        booked[2] = loss.power_xx, booked[3] = loss.power_yy, booked[4] = loss.twice_power_xy / 2;
     }
 }
 
@@ -36,25 +36,27 @@ void step_contact(const Physics& physics, const SlotLayout& layout, const CellMo
     const int lanes = w.lanes();
     const Real* wi = w.displacement + layout.owner[slot];
     const Real* wj = w.displacement + layout.partner[slot];
-    const ContactStart<Real> start{field[F::normal_x * lanes], field[F::normal_y * lanes],        field[F::length * lanes], field[F::inverse_length * lanes],
-                                   field[F::overlap * lanes],  field[F::half_difference * lanes], field[F::tangential_start * lanes]};
+    const ContactStart<Real> start{field[F::normal_x * lanes], field[F::normal_y * lanes], field[F::inverse_length * lanes], field[F::half_overlap * lanes]};
+    const ContactRadii<Real> radii(wi[3], wj[3]);
     const RelativeMotion<Real> moved{wj[0] - wi[0], wj[1] - wi[1], wi[2] + wj[2], wi[2] - wj[2]};
-    ContactMemory<Real> memory{field[F::turn * lanes], field[F::length_change * lanes], field[F::tangential_change * lanes]};
+    ContactMemory<Real> memory{field[F::double_turn * lanes], field[F::half_change * lanes]};
+    const Real tangential_start = field[F::tangential_start * lanes];
+    Real& tangential_change = field[F::tangential_change * lanes];
     ContactLoss<Real> loss{0, 0};
     Real old_tangential = 0;
     if constexpr (ledger) old_tangential = field[F::tangential(Physics::with_bonds) * lanes];
+    const ContactMotion<Real> motion = contact_motion(cell, start, radii, moved, memory);
     ContactAction<Real> action;
     if constexpr (Physics::with_bonds) {
-        BondState<Real> bonds{field[F::bonded * lanes], field[F::smaller_radius * lanes], beta};
-        action = contact_step<ledger>(physics, cell, start, moved, memory, bonds, old_tangential, loss);
+        BondState<Real> bonds{field[F::bonded * lanes], beta};
+        action = contact_force<ledger>(physics, motion, tangential_start, tangential_change, bonds, old_tangential, loss);
         field[F::bonded * lanes] = bonds.bonded;
     } else {
         NoBondState<Real> none;
-        action = contact_step<ledger>(physics, cell, start, moved, memory, none, old_tangential, loss);
+        action = contact_force<ledger>(physics, motion, tangential_start, tangential_change, none, old_tangential, loss);
     }
-    field[F::turn * lanes] = memory.turn;
-    field[F::length_change * lanes] = memory.length_change;
-    field[F::tangential_change * lanes] = memory.tangential_change;
+    field[F::double_turn * lanes] = memory.double_turn;
+    field[F::half_change * lanes] = memory.half_change;
     Real* row = w.contact_force + layout.row[slot];
     row[0] = action.x;
     row[1] = action.y;
@@ -62,11 +64,11 @@ void step_contact(const Physics& physics, const SlotLayout& layout, const CellMo
     row[3] = action.owner_torque;
     if constexpr (ledger) {
         field[F::tangential(Physics::with_bonds) * lanes] = action.tangential;
-        Virial<double> virial;
-        virial.add_contact(action.x, action.y, action.length * action.normal_x, action.length * action.normal_y);
         double* booked = w.booked + Work<Real, Plain>::booked_columns * k;
+        ContactVirial<double> virial;
+        virial.add(motion, action);
         booked[0] = loss.friction, booked[1] = loss.bond;
-        booked[2] = virial.xx, booked[3] = virial.yy, booked[4] = virial.xy;
+        booked[2] = virial.xx, booked[3] = virial.yy, booked[4] = virial.twice_xy / 2;
     }
 }
 
@@ -98,7 +100,7 @@ ChunkOutcome run_phases(const Team& team, const Physics& physics, const ContactL
         const Real kick = Real(step == 0 ? request.first_kick : request.sub_step);
         team.each(w.disc_slots, [&](int k) { move_disc<ledger>(physics, layout, d, kick, dt, w, k); }); // Eqs. (44)-(46)
         for (int k = 0; k < w.disc_slots; ++k) {
-            const Real x = w.displacement[4 * k], y = w.displacement[4 * k + 1];
+            const Real *row = w.displacement + layout.own_rows[static_cast<std::size_t>(k)], x = row[0], y = row[1];
             largest_squared = larger(largest_squared, static_cast<double>(x * x + y * y));
         }
         Symmetric power;
@@ -120,7 +122,7 @@ ChunkOutcome run_phases(const Team& team, const Physics& physics, const ContactL
         stretch.turn_with_the_frame();
     }
     outcome.stretch = stretch;
-    finish(request, clock, cell, law, layout, w, s, booked, std::sqrt(largest_squared), false, outcome);
+    finish(request, clock, cell, law, layout, w, s, booked, std::sqrt(largest_squared), outcome);
     return outcome;
 }
 

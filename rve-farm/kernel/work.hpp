@@ -1,6 +1,6 @@
 #pragma once
-// The working copy of one RVE during a chunk, in slot order (slot_layout.hpp). Rows of four hold what belongs together:
-// a partner is fetched in one load. `Level` keeps code compiled for different machines apart.
+// The working copy of one RVE during a chunk, in slot order (slot_layout.hpp): columns for what a slot does with its own numbers,
+// rows of four for what others fetch, in one load. `Level` keeps code compiled for different machines apart.
 #include <cstddef>
 #include <cstdint>
 
@@ -9,11 +9,11 @@
 namespace talik::farm {
 
 // Contacts lie in blocks, one number of as many contacts as the kernel has lanes side by side, then the next number: a block
-// is walked with one pointer. The order of the numbers (see ContactStart, ContactMemory); the last three only where present.
+// is walked with one pointer. The order of the numbers (see ContactStart, ContactMemory); the last two only where present.
 struct ContactField {
-    enum : int { normal_x, normal_y, length, inverse_length, overlap, half_difference, tangential_start, turn, length_change, tangential_change, always };
-    static constexpr int bonded = always, smaller_radius = always + 1;                // with bonds
-    static constexpr int tangential(bool bonds) { return always + (bonds ? 2 : 0); }          // f_t of the last sub-step; with the ledger
+    enum : int { normal_x, normal_y, inverse_length, half_overlap, tangential_start, double_turn, half_change, tangential_change, always };
+    static constexpr int bonded = always;                                         // with bonds
+    static constexpr int tangential(bool bonds) { return always + (bonds ? 1 : 0); } // f_t of the last sub-step; with the ledger
     static constexpr int count(bool bonds, bool ledger) { return tangential(bonds) + (ledger ? 1 : 0); }
 };
 
@@ -21,18 +21,22 @@ template <class Real, class Level>
 struct Work {
     int disc_slots = 0, contact_slots = 0;
     bool bonds = false, ledger = false;
-    // discs, rows of four
-    Real* displacement; // {w_x, w_y, theta, 0}: since the start of the chunk; w non-affine, m; theta relative to the frame, rad
-    Real* velocity;     // {v_x, v_y, spin, 0}: m/s, m/s, 1/s
-    Real* inverse_mass; // {1/m, 1/m, 2/(m r^2), 0}: 1/kg, 1/kg, 1/(kg m^2)
-    Real* mass;         // {m, m, 0, 0}: kg; only with the fluctuation effect
-    Real* force;        // {F_x, F_y, torque, 0}: N, N, N m
+    // discs
+    Real* displacement; // rows {w_x, w_y, theta, r/2}: since the start of the chunk; w non-affine, m; theta relative to the frame, rad
+    // columns of disc slots, one behind the other
+    Real* moved;        // w_x, w_y, theta once more, and r/2: only for lanes
+    Real* velocity;     // v_x, v_y, spin: m/s, m/s, 1/s
+    Real* inverse_mass; // 1/m, 2/(m r^2): 1/kg, 1/(kg m^2)
+    Real* mass;         // kg; only with the fluctuation effect
+    Real* force;        // of the contacts that the disc owns, x, y, torque: N, N, N m; only for lanes
     // contacts
     Real* blocks;        // of contact fields
     Real* contact_force; // rows, and a last one of zeros: {f_x, f_y, torque on the partner, torque on the owner}; only the plain kernel writes the last
+    Real* motion;        // ContactMotion of the contacts of some groups, in blocks: only for lanes
     double* booked;      // ledger of the plain kernel: columns of contact slots or disc slots
 
-    static constexpr int booked_columns = 5;
+    static constexpr int booked_columns = 5, motions = 8;
+    static constexpr int groups_at_once = 4; // by lanes: few enough for their motion to stay near, enough to overlap
 
     // The fields of a contact slot: field f is at [f * lanes].
     TALIK_HOST_DEVICE Real* contact(int slot) const { return blocks + (slot >> shift_) * block_size_ + (slot & ((1 << shift_) - 1)); }
@@ -43,6 +47,11 @@ struct Work {
         : disc_slots(layout.disc_slots()), contact_slots(layout.contact_slots()), bonds(columns.bond), ledger(with_ledger) {
         while ((1 << shift_) < layout.shape.lanes) ++shift_;
         block_size_ = ContactField::count(bonds, ledger) << shift_;
+        for (int g = 0; g < layout.groups; g += groups_at_once) {
+            const auto first = static_cast<std::size_t>(g), last = static_cast<std::size_t>(g + groups_at_once < layout.groups ? g + groups_at_once : layout.groups);
+            const int slots = layout.group_begin[last] - layout.group_begin[first];
+            most_slots_at_once_ = slots > most_slots_at_once_ ? slots : most_slots_at_once_;
+        }
         lay_out(columns, plain); // how much
         begin_ = memory.take(used_);
         used_ = 0;
@@ -51,10 +60,15 @@ struct Work {
 
 private:
     void lay_out(const ColumnChoice& columns, bool plain) {
-        for (Real** rows : {&displacement, &velocity, &inverse_mass, &force}) place(*rows, 4 * disc_slots, true);
-        place(mass, 4 * disc_slots, columns.fluctuation);
+        place(displacement, 4 * disc_slots, true);
+        place(moved, 4 * disc_slots, !plain);
+        place(velocity, 3 * disc_slots, true);
+        place(inverse_mass, 2 * disc_slots, true);
+        place(mass, disc_slots, columns.fluctuation);
+        place(force, 3 * disc_slots, !plain);
         place(blocks, (contact_slots >> shift_) * block_size_, true);
         place(contact_force, 4 * contact_slots + 4, true);
+        place(motion, motions * most_slots_at_once_, !plain);
         place(booked, booked_columns * (contact_slots > disc_slots ? contact_slots : disc_slots), ledger && plain);
     }
     template <class Entry>
@@ -66,6 +80,7 @@ private:
     std::byte* begin_ = nullptr;
     std::size_t used_ = 0;
     int shift_ = 0, block_size_ = 0; // lanes = 2^shift
+    int most_slots_at_once_ = 0;
 };
 
 } // namespace talik::farm

@@ -30,7 +30,7 @@ struct ContactLaw {
     TALIK_HOST_DEVICE ContactForce<Real> limited(ContactForce<Real> trial) const {
         const Real normal = larger(trial.normal, Real(0));
         const Real limit = friction * normal; // mu f_n, N
-        return {normal, smaller(larger(trial.tangential, -limit), limit)};
+        return {normal, within(limit, trial.tangential)};
     }
 
     // Energy stored in the two springs, J: f_n^2 / 2 k_n + f_t^2 / 2 k_t.

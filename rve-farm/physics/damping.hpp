@@ -7,8 +7,8 @@ namespace talik::farm {
 struct NoDamping {
     static constexpr bool exists = false;
     template <class Real>
-    TALIK_HOST_DEVICE Real damped(Real force, Real, Real, Real) const {
-        return force;
+    TALIK_HOST_DEVICE Real damped(Real push, Real) const {
+        return push;
     }
 };
 
@@ -17,12 +17,12 @@ struct LocalDamping {
     static constexpr bool exists = true;
     Real coefficient; // alpha, -
 
-    // F - alpha |F| sign(v + dt/2 F/m), which is F (1 - alpha sign(F v)): the force is weakened where it drives the motion and strengthened where it
-    // brakes it. The velocity is taken at the middle of the kick, which is when the force acts: with the velocity before
-    // the kick a disc at rest would be kicked undamped. For spins: torque, moment of inertia, spin.
-    TALIK_HOST_DEVICE Real damped(Real force, Real velocity, Real time_step, Real inverse_mass) const {
-        const Real middle = velocity + (Real(0.5) * time_step) * (force * inverse_mass);
-        return force - with_sign_of(coefficient * force, middle); // alpha |F| against the motion
+    // F - alpha |F| sign(v), which is F (1 - alpha sign(F v)): the force is weakened where it drives the motion and strengthened
+    // where it brakes it. Linear in F for a given motion, so that it serves forces, torques and kicks alike.
+    // motion: any number with the sign of the velocity at the middle of the kick, which is when the force acts: with the
+    // velocity before the kick a disc at rest would be kicked undamped.
+    TALIK_HOST_DEVICE Real damped(Real push, Real motion) const {
+        return push - with_sign_of(coefficient * push, motion); // alpha |F| against the motion
     }
 };
 

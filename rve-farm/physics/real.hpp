@@ -14,6 +14,9 @@ template <std::floating_point Real>
 TALIK_HOST_DEVICE Real smaller(Real a, Real b) { return a < b ? a : b; }
 template <std::floating_point Real>
 TALIK_HOST_DEVICE Real magnitude(Real a) { return a < 0 ? -a : a; }
+// The number brought back to at most `limit` >= 0 either way.
+template <std::floating_point Real>
+TALIK_HOST_DEVICE Real within(Real limit, Real a) { return smaller(larger(a, -limit), limit); }
 // |a| with the sign of b.
 template <std::floating_point Real>
 TALIK_HOST_DEVICE Real with_sign_of(Real a, Real b) { return std::copysign(a, b); }

@@ -1,5 +1,7 @@
 #include "rve-farm/physics/damping.hpp"
 
+#include "rve-farm/kernel/disc_step.hpp"
+
 #include "tests/support/catch.hpp"
 #include "tests/support/rve_samples.hpp"
 
@@ -8,15 +10,23 @@ using namespace talik::farm;
 
 TEST_CASE("local damping weakens the force that drives a motion and strengthens the one that brakes it", "[damping]") {
     const LocalDamping<double> damping{0.2};
-    CHECK(damping.damped(10.0, 1.0, 0.0, 1.0) == Approx(8.0));
-    CHECK(damping.damped(10.0, -1.0, 0.0, 1.0) == Approx(12.0));
-    CHECK(damping.damped(-10.0, 1.0, 0.0, 1.0) == Approx(-12.0));
-    CHECK(damping.damped(0.0, 1.0, 0.1, 1.0) == 0.0); // free flight is not damped
+    CHECK(damping.damped(10.0, 1.0) == Approx(8.0));
+    CHECK(damping.damped(10.0, -1.0) == Approx(12.0));
+    CHECK(damping.damped(-10.0, 1.0) == Approx(-12.0));
+    CHECK(damping.damped(0.0, 1.0) == 0.0); // free flight is not damped
 }
 
 TEST_CASE("a disc at rest is damped from the first kick, because the velocity is that of its middle", "[damping]") {
-    CHECK(LocalDamping<double>{0.2}.damped(10.0, 0.0, 0.1, 1.0) == Approx(8.0));
-    CHECK(LocalDamping<double>{0.2}.damped(10.0, -0.4, 0.1, 1.0) == Approx(8.0)); // v + dt/2 a = 0.1
+    const struct {
+        LocalDamping<double> damping{0.2};
+    } physics;
+    double damped = 0;
+    CHECK(kicked(physics, 10.0, 0.0, 0.1, 1.0, damped) == Approx(0.8));
+    CHECK(damped == Approx(8.0));
+    CHECK(kicked(physics, 10.0, -0.4, 0.1, 1.0, damped) == Approx(0.4)); // v + dt/2 a = 0.1: driven
+    CHECK(damped == Approx(8.0));
+    CHECK(kicked(physics, 10.0, -0.6, 0.1, 1.0, damped) == Approx(0.6)); // v + dt/2 a = -0.1: braked
+    CHECK(damped == Approx(12.0));
 }
 
 TEST_CASE("damping acts on the non-affine motion alone: a uniform strain of a perfect lattice dissipates nothing", "[damping]") {
