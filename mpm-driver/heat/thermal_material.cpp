@@ -179,7 +179,8 @@ double ThermalMaterial::most_conductivity() const {
 double ThermalMaterial::potential(double temperature) const {
     const double top = table_temperature_.front();
     if (temperature >= top) return (given_temperature_.empty() ? conductivity(0.0) : given_conductivity_.back()) * (temperature - top);
-    if (temperature <= table_temperature_.back()) return table_potential_.back() + table_conductivity_.back() * (temperature - table_temperature_.back());
+    if (!(temperature > table_temperature_.back())) // what is no number too, and stays one
+        return table_potential_.back() + table_conductivity_.back() * (temperature - table_temperature_.back());
     const std::size_t i = index_above(table_temperature_, temperature);
     const double d = table_temperature_[i] - table_temperature_[i + 1], x = (table_temperature_[i] - temperature) / d;
     // Cubic Hermite: value and slope at both ends
