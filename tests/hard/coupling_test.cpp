@@ -81,8 +81,8 @@ struct Run {
         simulation.step(dt);
         trapezoid.look(simulation.points(), law_jumps);
     }
-    void to(double time) {
-        while (simulation.time() < time * (1.0 - 1e-9)) step(std::min(simulation.next_step(), time - simulation.time()));
+    void to(double time, bool law_jumps = false) {
+        while (simulation.time() < time * (1.0 - 1e-9)) step(std::min(simulation.next_step(), time - simulation.time()), law_jumps);
     }
     double help(Help kind) const { return simulation.self_help().record(kind).count; }
     void judge_books(HardCase& hard) const {
@@ -135,8 +135,9 @@ TEST_CASE("a block of grains dropped at 20 m per s lands, helps itself, and keep
 TEST_CASE("a column ten times as high as wide collapses onto its base", "[hard][coupling]") {
     HardCase hard("coupling", "a column 10 : 1 collapsing onto the base", "RVEs open and close, points part, the foot is crushed");
     const double height = 1.0, half_width = 0.05, cell = 0.1, gravity = 9.81; // m, m/s^2
-    const Invariant top{"height left, of the column's", (half_width * std::pow(height / half_width, 0.4) + cell) / height,
-                        "dry grains in a plane come to rest at a height of L (H/L)^(2/5), L half the width (Lube et al. 2005; Lajeunesse et al.: 1/3), after 3 sqrt(H/g); and a cell"};
+    const double resolved = half_width + cell / 2; // m: half a width of one cell is known to half a cell
+    const Invariant top{"height left, of the column's", (resolved * std::pow(height / resolved, 0.4) + cell) / height,
+                        "dry grains in a plane come to rest at a height of L (H/L)^(2/5), L half the width (Lube et al. 2005; Lajeunesse et al.: 1/3), after 3 sqrt(H/g); and a cell, with L to half a cell"};
     const lockstep::TemporaryFolder folder;
     lockstep::Prepared made = grains(folder, {0.3, -gravity}); // a little to one side
     Scene& scene = made.scene;
@@ -211,7 +212,7 @@ TEST_CASE("fifty cycles of frost and thaw under weight with bonds that form anew
         const Points& points = run.simulation.points();
         double least = 1.0, most = 0.0, settlement = 0.0;
         for (int k = 0; k < 100; ++k) { // half cycles
-            run.to((k + 1) * period / 2);
+            run.to((k + 1) * period / 2, true); // bonds fail or form in any of the steps
             const auto [low, high] = std::minmax_element(points.ice_saturation.begin(), points.ice_saturation.end());
             least = std::min(least, *low), most = std::max(most, *high);
         }
