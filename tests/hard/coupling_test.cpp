@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -135,21 +136,21 @@ TEST_CASE("a block of grains dropped at 20 m per s lands, helps itself, and keep
 TEST_CASE("a column ten times as high as wide collapses onto its base", "[hard][coupling]") {
     HardCase hard("coupling", "a column 10 : 1 collapsing onto the base", "RVEs open and close, points part, the foot is crushed");
     const double height = 1.0, half_width = 0.05, cell = 0.1, gravity = 9.81; // m, m/s^2
-    const double resolved = half_width + cell / 2; // m: half a width of one cell is known to half a cell
-    const Invariant top{"height left, of the column's", (resolved * std::pow(height / resolved, 0.4) + cell) / height,
-                        "dry grains in a plane come to rest at a height of L (H/L)^(2/5), L half the width (Lube et al. 2005; Lajeunesse et al.: 1/3), after 3 sqrt(H/g); and a cell, with L to half a cell"};
+    const Invariant top{"height of nine tenths, of the column's", (half_width * std::pow(height / half_width, 0.4) + cell) / height,
+                        "dry grains in a plane come to rest at a height of L (H/L)^(2/5), L half the width (Lube et al. 2005; Lajeunesse et al.: 1/3), after 3 sqrt(H/g); and a cell"};
     const lockstep::TemporaryFolder folder;
     lockstep::Prepared made = grains(folder, {0.3, -gravity}); // a little to one side
     Scene& scene = made.scene;
-    scene.domain.origin = {-1.2, 0.0};
-    scene.domain.size = {2.5, 1.2};
+    scene.domain.origin = {-2.2, 0.0}; // room for single points that are thrown
+    scene.domain.size = {4.5, 1.6};
     scene.bodies[0].polygon = {{0, 0}, {2 * half_width, 0}, {2 * half_width, height}, {0, height}};
     scene.walls = {wall("bottom", 0.0, "fixed")};
     with_farm(made, [&](Run& run) {
         run.to(3.0 * std::sqrt(height / gravity));
-        double highest = 0.0;
-        for (const Vector& x : run.simulation.points().position) highest = std::max(highest, x[1]);
-        hard.holds(top, highest / height);
+        std::vector<double> heights;
+        for (const Vector& x : run.simulation.points().position) heights.push_back(x[1]);
+        std::sort(heights.begin(), heights.end());
+        hard.holds(top, heights[heights.size() * 9 / 10] / height);
         run.judge_books(hard);
     });
 }
