@@ -1,12 +1,30 @@
 #include "common/base/error.hpp"
 
+#include <cstdio>
+
 namespace talik {
+
+std::string one_line(const std::string& text) {
+    std::string line;
+    line.reserve(text.size());
+    for (const char letter : text) {
+        const auto code = static_cast<unsigned char>(letter);
+        char escape[8];
+        if (code >= 0x20 && code != 0x7f) line += letter; // bytes of UTF-8 beyond ASCII stay
+        else if (letter == '\n') line += "\\n";
+        else if (letter == '\t') line += "\\t";
+        else if (letter == '\r') line += "\\r";
+        else std::snprintf(escape, sizeof escape, "\\u%04X", static_cast<unsigned>(code)), line += escape;
+    }
+    return line;
+}
+
 namespace {
 
 std::string sentence(const std::string& where, const std::string& problem, const std::string& remedy) {
     std::string text = where.empty() ? problem : where + ": " + problem;
     if (!remedy.empty()) text += " (" + remedy + ")";
-    return text;
+    return one_line(text);
 }
 
 } // namespace

@@ -8,7 +8,10 @@ namespace talik {
 // Exit codes of both programs (docs/interface.md).
 enum class ExitCode { done = 0, failed = 1, bad_input = 2, partner_lost = 3, out_of_resource = 4 };
 
-// what() reads "WHERE: PROBLEM (REMEDY)"; WHERE is "FILE:LINE: KEY", or empty.
+// Text on one line, whatever a user's value holds: control characters as TOML writes them (\n, \t, \u001B).
+std::string one_line(const std::string& text);
+
+// what() reads "WHERE: PROBLEM (REMEDY)", on one line; WHERE is "FILE:LINE: KEY", or empty.
 class Error : public std::runtime_error {
 public:
     Error(ExitCode code, std::string where, std::string problem, std::string remedy);

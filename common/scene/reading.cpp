@@ -34,7 +34,7 @@ std::string quoted(const std::vector<std::string>& words) { return fmt::format("
 
 } // namespace
 
-std::string Fault::text() const { return fmt::format("{}: {}{}{} ({})", position, key, key.empty() ? "" : ": ", problem, remedy); }
+std::string Fault::text() const { return one_line(fmt::format("{}: {}{}{} ({})", position, key, key.empty() ? "" : ": ", problem, remedy)); }
 
 void throw_if_any(const Faults& faults, const std::string& how_to_list_all) {
     if (faults.empty()) return;

@@ -124,6 +124,7 @@ TEST_CASE("each kind of fault is named with file, line, key and mend") {
     CHECK_CONTAINS(faults_of(sound + "pressure = true\n"), "s.toml:2: pressure: is true or false (give a pressure such as \"1.5 Pa\")");
     CHECK_CONTAINS(faults_of(sound + "pressure = \"3 mm\"\n"), "s.toml:2: pressure: \"3 mm\" is a length, not a pressure");
     CHECK_CONTAINS(faults_of(sound + "pressure = \"3 bananas\"\n"), "unknown unit \"bananas\"");
+    CHECK_CONTAINS(faults_of(sound + "pressure = \"3 b\\nc\"\n"), "s.toml:2: pressure: \"3 b\\nc\" has an unknown unit \"b\\nc\" (");
     CHECK_CONTAINS(faults_of(sound + "pressure = \"-3 kPa\"\n"), "s.toml:2: pressure: -3000 Pa is out of range (give a value >= 0 Pa)");
     CHECK_CONTAINS(faults_of(sound + "pressure = inf\n"), "out of range");
     CHECK_CONTAINS(faults_of(sound + "discs = 2.5\n"), "s.toml:2: discs: is a number (give a whole number)");
