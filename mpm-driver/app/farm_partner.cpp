@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "common/base/error.hpp"
 #include "common/base/installation.hpp"
 #include "exchange/run_board.hpp"
 #include "exchange/transport.hpp"
@@ -28,6 +29,10 @@ FarmPartner::FarmPartner(const PartnerOptions& options) : options_(options), run
         for (auto& channel : exchange::make_exchange(options_.exchange, options_.farms, limits())) farms_.push_back({nullptr, std::move(channel)});
         return;
     }
+    // Each is a process with threads of its own: what is far more than the cores only brings the machine down.
+    const int cores = omp_get_num_procs(), most = std::max(8, 4 * cores);
+    require(options_.farms <= most, fmt::format("--farms {}: at most {} farms are launched on this machine of {} cores", options_.farms, most, cores),
+            "give fewer; or start farms on other machines (docs/farms.md)");
     farms_.resize(static_cast<std::size_t>(std::max(1, options_.farms)));
     for (Farm& farm : farms_) launch(farm, fmt::format("{:x}-{}", run_id_, launched_++));
 }

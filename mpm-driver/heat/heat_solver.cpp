@@ -15,6 +15,8 @@
 namespace talik::driver {
 namespace {
 
+constexpr double absolute_zero = -273.15; // degrees C
+
 std::vector<ThermalMaterial> made_materials(const HeatSpec& spec) {
     std::vector<ThermalMaterial> materials;
     for (const ThermalMaterialSpec& material : spec.materials) materials.emplace_back(material);
@@ -25,7 +27,7 @@ std::vector<ThermalMaterial> made_materials(const HeatSpec& spec) {
 
 HeatSolver::HeatSolver(const Scene& scene, const Grid& grid, const Supports& supports, const std::vector<double>& half_size, Points& points)
     : spec_(*scene.heat), enthalpy_form_(spec_.formulation == "enthalpy"), materials_(made_materials(spec_)), held_(spec_, grid), entries_(held_.names()),
-      nodes_(static_cast<std::size_t>(grid.node_count())) {
+      expansion_(scene.phase_change_strain ? scene.phase_change_strain->expansion : 0.0), nodes_(static_cast<std::size_t>(grid.node_count())) {
     for (const BodySpec& body : scene.bodies) {
         const auto found = std::find_if(materials_.begin(), materials_.end(), [&](const ThermalMaterial& m) { return m.name() == body.material; });
         require(found != materials_.end(), "body '" + body.name + "' has no thermal material", "give it one of the [[heat.material]]s");
@@ -47,7 +49,7 @@ HeatSolver::HeatSolver(const Scene& scene, const Grid& grid, const Supports& sup
     for (auto* column : {&points.enthalpy, &points.temperature, &points.ice_saturation, &points.ice_fraction}) column->assign(n, 0.0);
 
     for (const HeatSourceSpec& source : spec_.sources) {
-        sources_.push_back({TimeValue(source.value, "\"" + source.name + "\""), source_factors(source, scene.bodies, points)});
+        sources_.push_back({TimeValue(source.value, "\"" + source.name + "\""), source_factors(source, scene.bodies, half_size, points)});
         entries_.push_back(source.name);
     }
     any_source_ = !sources_.empty();
@@ -55,9 +57,19 @@ HeatSolver::HeatSolver(const Scene& scene, const Grid& grid, const Supports& sup
     entries_.push_back("source of the program");
     for (std::size_t b = 0; b < half_size.size(); ++b) point_size_factor_ = std::min(point_size_factor_, 4.0 * half_size[b] / grid.cell());
     set_temperature(grid, supports, points, initial_temperatures(scene.bodies, points));
-    const std::string idle = held_.idle_heater(grid, volume_);
-    require(idle.empty(), "the heater '" + idle + "' lies outside the ground", "put it where a body is");
+    refuse_what_is_idle(grid, points);
     for (const StageSpec& stage : scene.stages) scene_duration_ += stage.duration;
+}
+
+// What would heat nothing is a mistake of the scene.
+void HeatSolver::refuse_what_is_idle(const Grid& grid, const Points& points) const {
+    const std::string heater = held_.idle_heater(grid, volume_), side = held_.idle_side(grid, volume_);
+    require(heater.empty(), "the heater '" + heater + "' holds no node of the ground: it lies outside, or between the nodes", "put it where a body is; make a box at least a cell wide");
+    require(side.empty(), "the boundary '" + side + "' touches no node of the ground", "mend its `from` and `to`: at least a cell, where a body has that side");
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+        const bool any = std::any_of(sources_[i].factor.begin(), sources_[i].factor.end(), [](double factor) { return factor != 0.0; });
+        require(any || points.count() == 0, "the source '" + spec_.sources[i].name + "' touches no ground", "mend its `box`, `body` or `shape_file`");
+    }
 }
 
 void HeatSolver::set_temperature(const Grid& grid, const Supports& supports, Points& points, const std::vector<double>& temperature) {
@@ -154,18 +166,9 @@ void HeatSolver::invert_nodes() {
 
 void HeatSolver::invert_node(std::size_t node) {
     const std::size_t count = materials_.size();
-    std::size_t present = 0, only = 0;
-    for (std::size_t m = 0; m < count; ++m)
-        if (share_[at(m, node)] > 0.0) ++present, only = m;
-    if (enthalpy_form_) {
-        if (present == 1) {
-            state_[node] = materials_[only].state_of(enthalpy_[node]);
-        } else {
-            double shares[most_materials];
-            for (std::size_t m = 0; m < count; ++m) shares[m] = share_[at(m, node)];
-            state_[node] = state_of_mixture(materials_, shares, enthalpy_[node]);
-        }
-    }
+    std::size_t present = 0;
+    for (std::size_t m = 0; m < count; ++m) present += share_[at(m, node)] > 0.0;
+    if (enthalpy_form_) state_[node] = state_at(node, enthalpy_[node]);
     temperature_[node] = state_[node].temperature;
     for (std::size_t m = 0; m < count; ++m) {
         if (!(share_[at(m, node)] > 0.0)) continue;
@@ -200,7 +203,7 @@ void HeatSolver::heat_flow(const Supports& supports, const Points& points) {
         if (deforms) {
             const double stretch = points.volume[p] / points.initial_volume[p];
             const double frozen = points.ice_fraction[p] * stretch / std::max(material.ice_volume(1.0), 1e-300);
-            if (stretch > 1.0) ratio = material.conductivity(frozen, stretch) / material.conductivity(frozen);
+            if (stretch > 1.0) ratio = material.conductivity(frozen, stretch, expansion_) / material.conductivity(frozen);
             if (material.spec().turns) {
                 const Matrix turn = rotation(polar_angle(points.deformation[p]));
                 tensor = turn * tensor * turn.transpose();
@@ -247,7 +250,9 @@ void HeatSolver::nodal_power(const Supports& supports, double begin, double end)
 }
 
 // d H_I / dt = Q_I / W_I, Eq. (29); of held nodes the mean of their free neighbours', else the ground at a wall would keep
-// its ice and the front lag behind. The wall gives what that takes.
+// its ice and the front lag behind; but never beyond what lies between the held temperature and the neighbours' state, else
+// ground that is frozen already would freeze once more with its neighbour, and dry rock take the latent heat of wet ground. What
+// lies within a heater has its temperature. The wall gives what that takes.
 void HeatSolver::rates(const Grid& grid, double dt) {
     const std::vector<double>& weight = enthalpy_form_ ? volume_ : enthalpy_; // m^3, or J/K
     const int right = grid.stride(0), up = grid.stride(1);
@@ -266,14 +271,14 @@ void HeatSolver::rates(const Grid& grid, double dt) {
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
     for (const HeldNodes::Held& held : held_.held()) rate_[static_cast<std::size_t>(held.node)] = unknown;
     for (const HeldNodes::Held& held : held_.held()) {
-        const double rate = rate_of_neighbours(held.node, right, up, false);
+        const double rate = rate_of_neighbours(held.node, right, up, dt, false);
         if (!std::isnan(rate)) set(held, rate);
     }
     for (const HeldNodes::Held& held : held_.held()) { // a second row, just outside the surface or within a heater
         const auto node = static_cast<std::size_t>(held.node);
         if (!std::isnan(rate_[node])) continue;
-        double rate = rate_of_neighbours(held.node, right, up, true);
-        if (std::isnan(rate)) rate = (enthalpy_form_ ? enthalpy_at_held(node) - enthalpy_[node] : temperature_[node] - state_[node].temperature) / dt;
+        double rate = held_.is_heater(held.entry) ? std::numeric_limits<double>::quiet_NaN() : rate_of_neighbours(held.node, right, up, dt, true);
+        if (std::isnan(rate)) rate = (held_value(node) - value_of(node)) / dt;
         later_.push_back({held, rate}); // all of the second row see the first alone
     }
     for (const auto& [held, rate] : later_) set(held, rate);
@@ -304,28 +309,56 @@ void HeatSolver::find_small_nodes(const Grid& grid) {
     }
 }
 
-// Mean rate of the four neighbours, or else of the diagonal ones: those that are free, or (held) held ones that have a rate.
-double HeatSolver::rate_of_neighbours(int node, int right, int up, bool held) const {
-    double sum = 0.0;
+// Mean rate of the four neighbours, or else of the diagonal ones: those that are free, or (held) held ones that have a rate. What lies
+// beyond the range between the held temperature and the neighbours' states at the end of the step is brought back to it.
+double HeatSolver::rate_of_neighbours(int node, int right, int up, double dt, bool held) const {
+    const auto here = static_cast<std::size_t>(node);
+    double sum = 0.0, least = held_value(here), most = least;
     int count = 0;
     const auto look = [&](int offset) {
         const auto other = static_cast<std::size_t>(node + offset);
         if (other >= nodes_ || held_.is_held(other) != held || !(volume_[other] > 0.0) || std::isnan(rate_[other])) return;
+        const double like = value_in_state_of(other, dt, here);
+        least = std::min(least, like), most = std::max(most, like);
         sum += rate_[other];
         ++count;
     };
     for (int offset : {-right, right, -up, up}) look(offset);
     if (count == 0)
         for (int offset : {-right - up, right - up, -right + up, right + up}) look(offset);
-    return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+    if (count == 0) return std::numeric_limits<double>::quiet_NaN();
+    const double now = value_of(here), next = now + dt * sum / count;
+    return next >= least && next <= most ? sum / count : (std::clamp(next, least, most) - now) / dt;
 }
 
-// J/m^3 of a node at the temperature that it is held at.
-double HeatSolver::enthalpy_at_held(std::size_t node) const {
+// What rates are of: H_I, J/m^3; in the capacity form T_I, degrees C.
+double HeatSolver::value_of(std::size_t node) const { return enthalpy_form_ ? enthalpy_[node] : state_[node].temperature; }
+
+// Of a node at the temperature that it is held at.
+double HeatSolver::held_value(std::size_t node) const { return enthalpy_form_ ? enthalpy_in(node, {temperature_[node], 0.0}) : temperature_[node]; }
+
+// Of a node's ground in the state in which another is at the end of the step.
+double HeatSolver::value_in_state_of(std::size_t other, double dt, std::size_t node) const {
+    const double next = value_of(other) + dt * rate_[other];
+    return enthalpy_form_ ? enthalpy_in(node, state_at(other, next)) : next;
+}
+
+double HeatSolver::enthalpy_in(std::size_t node, const ThermalState& state) const {
     double sum = 0.0;
     for (std::size_t m = 0; m < materials_.size(); ++m)
-        if (share_[at(m, node)] > 0.0) sum += share_[at(m, node)] * materials_[m].enthalpy({temperature_[node], 0.0});
+        if (share_[at(m, node)] > 0.0) sum += share_[at(m, node)] * materials_[m].enthalpy(state);
     return sum;
+}
+
+// The state of a node's ground with an enthalpy.
+ThermalState HeatSolver::state_at(std::size_t node, double enthalpy) const {
+    double shares[most_materials];
+    std::size_t present = 0, only = 0;
+    for (std::size_t m = 0; m < materials_.size(); ++m) {
+        shares[m] = share_[at(m, node)];
+        if (shares[m] > 0.0) ++present, only = m;
+    }
+    return present == 1 ? materials_[only].state_of(enthalpy) : state_of_mixture(materials_, shares, enthalpy);
 }
 
 // What each material at a node takes of the node's heat: all of it where it is alone; where several meet, so that they
@@ -412,6 +445,15 @@ void HeatSolver::watch_range(Points& points) {
     }
     if (numbers != 0.0) name_what_is_no_number(points);
     books_.see_temperature_outside(worst);
+    if (lowest_ - worst < absolute_zero) refuse_unphysical();
+}
+
+// Before nonsense spreads: an unstable step shows itself here.
+void HeatSolver::refuse_unphysical() const {
+    for (std::size_t node = 0; node < nodes_; ++node)
+        if (volume_[node] > 0.0 && state_[node].temperature < absolute_zero)
+            fail(ExitCode::failed, fmt::format("heat at t = {:.6g} s: node {} is at {:.4g} C, below absolute zero: the step of heat is not stable there, or a flux takes more than there is", clock_.time, node, state_[node].temperature),
+                 "take step = \"auto\" or a smaller one, heat.stability = 4, a smaller flux");
 }
 
 // What the nodes have received goes to the points, and what the nodes know of temperature and ice is shown on them.

@@ -9,8 +9,8 @@
 //   points from nodes    E_p += V_p^0 sum phi_Ip (change of H_I): what nodes receive, points receive, to rounding
 // In a scene of heat alone, and within the sub-steps of a mechanical step, nodes keep their H_I. Mapped from the points in every
 // step it is smeared over the neighbours: a front between warm and cold ground then lags by a part of a cell.
-// Held nodes have their temperature for the gradient; the rate of their enthalpy is their free neighbours', and the
-// difference to Q_I is the heat of the wall, which is booked.
+// Held nodes have their temperature for the gradient; the rate of their enthalpy is their free neighbours', within what the held
+// temperature and these allow, and the difference to Q_I is the heat of the wall, which is booked.
 //
 // Capacity form (the paper's). Points carry temperature; the nodes' capacity is C(T) = rho c + latent, Eq. (A2), at their
 // old temperature. The remapped temperature of Eq. (37) is output, never the state.
@@ -104,8 +104,14 @@ private:
     [[noreturn]] void name_what_is_no_number(Points& points) const;
     void watch_range(Points& points);
     void note_ice_rate(const Points& points);
-    double rate_of_neighbours(int node, int right, int up, bool held) const; // NaN where there is none
-    double enthalpy_at_held(std::size_t node) const;
+    double rate_of_neighbours(int node, int right, int up, double dt, bool held) const; // NaN where there is none
+    double value_of(std::size_t node) const;
+    double held_value(std::size_t node) const;
+    double value_in_state_of(std::size_t other, double dt, std::size_t node) const;
+    double enthalpy_in(std::size_t node, const ThermalState& state) const; // J/m^3
+    ThermalState state_at(std::size_t node, double enthalpy) const;
+    void refuse_what_is_idle(const Grid& grid, const Points& points) const;
+    void refuse_unphysical() const;
     void find_small_nodes(const Grid& grid);
     void substep(const Grid& grid, const Supports& supports, Points& points, double dt);
 
@@ -135,6 +141,8 @@ private:
     double scene_duration_ = 0.0;              // s, of all its stages
     double point_size_factor_ = 1.0;           // of the automatic step: min(1, 4 l_p / h)
     double content_scale_ = 0.0;               // sum of |E_p| at the start, J: the balance is relative to it and what has moved
+
+    double expansion_;                         // of freezing water, where the scene has that effect, -
 
     // Nodes. Columns by material: `material * nodes + node`.
     std::size_t nodes_;

@@ -51,7 +51,11 @@ void HeldNodes::update(const Grid& grid, const std::vector<double>& volume, doub
     std::fill(mark_.begin(), mark_.end(), -1);
     held_.clear();
     fluxes_.clear();
-    for (std::size_t i = 0; i < sides_.size(); ++i) find_side(grid, volume, sides_[i], static_cast<int>(i));
+    for (std::size_t i = 0; i < sides_.size(); ++i) {
+        const int entry = static_cast<int>(i);
+        each_of_side(grid, volume, sides_[i], [&](int node) { mark_[static_cast<std::size_t>(node)] = entry; },
+                     [&](int node, double width) { fluxes_.push_back({node, entry, width * grid.cell() * grid.thickness()}); });
+    }
     for (std::size_t i = 0; i < heaters_.size(); ++i)
         if (on_[i]) hold_region(grid, volume, heaters_[i], static_cast<int>(sides_.size() + i));
     for (std::size_t node = 0; node < mark_.size(); ++node)
@@ -59,8 +63,9 @@ void HeldNodes::update(const Grid& grid, const std::vector<double>& volume, doub
 }
 
 // Line of nodes by line of nodes, from outside inwards. A node on the surface of a full line has half of a whole node's
-// volume; within half a cell of it, between 1/8 and 7/8.
-void HeldNodes::find_side(const Grid& grid, const std::vector<double>& volume, const HeatBoundarySpec& side, int entry) {
+// volume; within half a cell of it, between 1/8 and 7/8. Ground may be thinner than a cell: its first node is then the nearest.
+template <class Hold, class Enter>
+void HeldNodes::each_of_side(const Grid& grid, const std::vector<double>& volume, const HeatBoundarySpec& side, Hold&& hold, Enter&& enter) const {
     const int axis = side.side == "left" || side.side == "right" ? 0 : 1, along = 1 - axis;
     const bool from_below = side.side == "left" || side.side == "bottom";
     const int depth = grid.nodes(axis), lines = grid.nodes(along);
@@ -72,28 +77,38 @@ void HeldNodes::find_side(const Grid& grid, const std::vector<double>& volume, c
         };
         const double x = grid.node_position(node_at(0))[along];
         const double low = side.from.value_or(-1e300), high = side.to.value_or(1e300);
-        double most = 0.0;
-        for (int k = 0; k < depth; ++k) most = std::max(most, volume[static_cast<std::size_t>(node_at(k))]);
+        double most = 0.0, all = 0.0, beside = 0.0; // m^3: of the line's fullest node, of the line, of the fuller line beside it
+        for (int k = 0; k < depth; ++k) most = std::max(most, volume[static_cast<std::size_t>(node_at(k))]), all += volume[static_cast<std::size_t>(node_at(k))];
         if (most <= 0.0) continue;
+        for (int other : {line - 1, line + 1}) {
+            if (other < 0 || other >= lines) continue;
+            double sum = 0.0;
+            for (int k = 0; k < depth; ++k) sum += volume[static_cast<std::size_t>(axis == 0 ? grid.node(k, other) : grid.node(other, k))];
+            beside = std::max(beside, sum);
+        }
         if (side.kind == "flux") {
             const double overlap = std::min(x + 0.5 * h, high) - std::max(x - 0.5 * h, low);
             if (overlap <= slack) continue;
-            const double width = std::min({overlap / h, most / whole, 1.0}); // of a cell
+            // How much of the line's cell is ground, across: a whole node where it is two cells deep, as full as the next line where it is thinner.
+            const double ground = std::max(most / whole, all / std::max(all, beside));
+            const double width = std::min({overlap / h, ground, 1.0}); // of a cell
             for (int k = 0; k < depth; ++k) {
                 const int node = node_at(k);
                 if (volume[static_cast<std::size_t>(node)] < most / 8.0) continue;
-                fluxes_.push_back({node, entry, width * h * grid.thickness()});
+                enter(node, width);
                 break;
             }
             continue;
         }
         if (x < low - slack || x > high + slack) continue;
+        bool found = false;
         for (int k = 0; k < depth; ++k) {
-            const auto node = static_cast<std::size_t>(node_at(k));
-            if (volume[node] <= 0.0) continue;
-            if (volume[node] >= 0.875 * most * (1.0 - 1e-9)) break;
-            mark_[node] = entry;
-            if (volume[node] >= 0.125 * most) break; // the nearest to the surface
+            const double here = volume[static_cast<std::size_t>(node_at(k))];
+            if (here <= 0.0) continue;
+            if (found && here >= 0.875 * most * (1.0 - 1e-9)) break;
+            hold(node_at(k));
+            found = true;
+            if (here >= 0.125 * most) break; // the nearest to the surface
         }
     }
 }
@@ -113,6 +128,15 @@ bool HeldNodes::in_region(const Grid& grid, const HeaterSpec& heater, int node) 
 void HeldNodes::hold_region(const Grid& grid, const std::vector<double>& volume, const HeaterSpec& heater, int entry) {
     for (int node = 0; node < grid.node_count(); ++node)
         if (volume[static_cast<std::size_t>(node)] > 0.0 && in_region(grid, heater, node)) mark_[static_cast<std::size_t>(node)] = entry;
+}
+
+std::string HeldNodes::idle_side(const Grid& grid, const std::vector<double>& volume) const {
+    for (const HeatBoundarySpec& side : sides_) {
+        bool any = false;
+        each_of_side(grid, volume, side, [&](int) { any = true; }, [&](int, double) { any = true; });
+        if (!any) return side.name;
+    }
+    return "";
 }
 
 std::string HeldNodes::idle_heater(const Grid& grid, const std::vector<double>& volume) const {

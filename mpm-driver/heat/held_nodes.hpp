@@ -27,17 +27,21 @@ public:
     const std::vector<Held>& held() const { return held_; }
     const std::vector<Flux>& fluxes() const { return fluxes_; }
     bool is_held(std::size_t node) const { return mark_[node] >= 0; }
+    bool is_heater(int entry) const { return entry >= static_cast<int>(sides_.size()); }
     const std::vector<std::string>& names() const { return names_; }
     const TimeValue& value(int entry) const { return values_[static_cast<std::size_t>(entry)]; }
     // Least and most temperature that is ever held; empty range (least > most) where none is.
     double least() const { return least_; }
     double most() const { return most_; }
-    // Heaters without a node of the ground, by name: the first; empty = all have some.
+    // Heaters and sides without a node of the ground, by name: the first; empty = all have some.
     std::string idle_heater(const Grid& grid, const std::vector<double>& volume) const;
+    std::string idle_side(const Grid& grid, const std::vector<double>& volume) const;
 
 private:
     bool switched_on(const HeaterSpec& heater, double time) const;
-    void find_side(const Grid& grid, const std::vector<double>& volume, const HeatBoundarySpec& side, int entry);
+    // Each node of a side: hold(node), or flux(node, share of a cell's width).
+    template <class Hold, class Enter>
+    void each_of_side(const Grid& grid, const std::vector<double>& volume, const HeatBoundarySpec& side, Hold&& hold, Enter&& enter) const;
     void hold_region(const Grid& grid, const std::vector<double>& volume, const HeaterSpec& heater, int entry);
     bool in_region(const Grid& grid, const HeaterSpec& heater, int node) const;
 

@@ -62,7 +62,8 @@ std::vector<double> initial_temperatures(const std::vector<BodySpec>& bodies, co
     return temperature;
 }
 
-std::vector<double> source_factors(const HeatSourceSpec& source, const std::vector<BodySpec>& bodies, const Points& points) {
+// A box takes of a point what of its square lies within.
+std::vector<double> source_factors(const HeatSourceSpec& source, const std::vector<BodySpec>& bodies, const std::vector<double>& half_size, const Points& points) {
     std::vector<double> factor(points.count(), 1.0);
     if (!source.shape_file.empty()) {
         const PlaneTable shape(source.shape_file, "factor");
@@ -70,9 +71,12 @@ std::vector<double> source_factors(const HeatSourceSpec& source, const std::vect
     }
     for (std::size_t p = 0; p < points.count(); ++p) {
         const Vector& x = points.position[p];
-        const bool its_body = source.body.empty() || bodies[static_cast<std::size_t>(points.body[p])].name == source.body;
-        const bool inside = source.box.empty() || ((x.array() >= source.box[0].cwiseMin(source.box[1]).array()).all() && (x.array() <= source.box[0].cwiseMax(source.box[1]).array()).all());
-        if (!its_body || !inside) factor[p] = 0.0;
+        const auto body = static_cast<std::size_t>(points.body[p]);
+        if (!source.body.empty() && bodies[body].name != source.body) factor[p] = 0.0;
+        if (source.box.empty()) continue;
+        const Vector low = source.box[0].cwiseMin(source.box[1]), high = source.box[0].cwiseMax(source.box[1]);
+        const double l = half_size[body];
+        for (int a = 0; a < 2; ++a) factor[p] *= std::clamp((std::min(x[a] + l, high[a]) - std::max(x[a] - l, low[a])) / (2.0 * l), 0.0, 1.0);
     }
     return factor;
 }

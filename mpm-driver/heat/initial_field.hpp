@@ -19,6 +19,6 @@ private:
 };
 
 std::vector<double> initial_temperatures(const std::vector<BodySpec>& bodies, const Points& points); // degrees C, by point
-std::vector<double> source_factors(const HeatSourceSpec& source, const std::vector<BodySpec>& bodies, const Points& points);
+std::vector<double> source_factors(const HeatSourceSpec& source, const std::vector<BodySpec>& bodies, const std::vector<double>& half_size, const Points& points);
 
 } // namespace talik::driver

@@ -146,10 +146,11 @@ double ThermalMaterial::ice_saturation(double f) const {
     return all > 0.0 ? ice / all : 0.0;
 }
 
-double ThermalMaterial::conductivity(double f, double stretch) const {
-    // Eq. (2), over volume fractions theta that add up to 1: ice may take more room than its water did.
-    const double opened = std::max(0.0, stretch - 1.0); // air that dilation takes in
-    const double part[4] = {grains_, water_volume(f), ice_volume(f), air_ + opened};
+double ThermalMaterial::conductivity(double f, double stretch, double expansion) const {
+    // Eq. (2), over volume fractions theta that add up to 1: ice may take more room than its water did, and air gives way first.
+    const double pores = spec_.porosity + std::max(0.0, stretch - 1.0); // with what dilation has opened
+    const double ice = std::max(ice_volume(f), (1.0 + expansion) * water_ * f), water = water_volume(f);
+    const double part[4] = {grains_, water, ice, std::max(0.0, pores - water - ice)};
     const double k[4] = {spec_.grain_conductivity, spec_.water_conductivity, spec_.ice_conductivity, spec_.air_conductivity};
     double all = 0.0, sum = 0.0;
     for (int i = 0; i < 4; ++i) {

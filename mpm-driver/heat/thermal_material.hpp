@@ -38,8 +38,9 @@ public:
     double ice_volume(double frozen_fraction) const { return ice_ * frozen_fraction; }             // theta_s, -
     double ice_saturation(double frozen_fraction) const;         // theta_s / (theta_s + theta_f), -
 
-    // k of the mixture, W/(m K); stretch: present over initial volume (what opens is air).
-    double conductivity(double frozen_fraction, double stretch = 1.0) const;
+    // k of the mixture, W/(m K); stretch: present over initial volume (what opens is air); expansion: of water as it freezes, relative,
+    // where that opens the ground.
+    double conductivity(double frozen_fraction, double stretch = 1.0, double expansion = 0.0) const;
     double conductivity_at(double temperature) const;
     double most_conductivity() const;                            // over all temperatures
     // Theta(T) = integral of k dT from the top, W/m: heat flows as -grad Theta, exactly, however sharp the front.

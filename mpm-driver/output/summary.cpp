@@ -146,7 +146,7 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
         json["heat"] = {{"formulation", scene.heat->formulation}, {"steps", heat->steps()}, {"time_scale", scene.heat->time_scale},
                         {"largest_step_s", limit.step}, {"automatic_step_s", limit.automatic}, {"content_J", heat->content(points)}, {"entered_J", heat->books().entered()},
                         {"entered_by_cause_J", by_cause}, {"temperature_overshoot_K", heat->books().overshoot()},
-                        {"temperature_overshoot_of_span", heat->span() > 0.0 ? heat->books().overshoot() / heat->span() : 0.0}};
+                        {"temperature_overshoot_of_span", heat->span() > 0.0 && !scene_has_power(*scene.heat) ? Json(heat->books().overshoot() / heat->span()) : Json(nullptr)}};
     }
     json["warnings"] = facts.warnings;
     json["exit"] = facts.exit;
@@ -165,10 +165,11 @@ std::string summary_table(const Simulation& simulation, const RunFacts& facts) {
     if (facts.rves > 0) row("waiting", fmt::format("driver {:.1f} s, farm {}", facts.waiting_driver, facts.waiting_farm ? fmt::format("{:.1f} s", *facts.waiting_farm) : "unknown"));
     if (const std::string which = bottleneck(facts); !which.empty()) row("bottleneck", which);
     if (const HeatSolver* heat = simulation.heat()) {
-        row("heat", fmt::format("{:.4g} J entered in {:.0f} steps, balance error {:.1e}; temperatures out of range by at most {:.2g} K ({:.2g} % of the span){}",
+        row("heat", fmt::format("{:.4g} J entered in {:.0f} steps, balance error {:.1e}; temperatures out of range by at most {:.2g} K{}",
                                 heat->books().entered(), heat->steps(), heat->balance_error(simulation.points()), heat->books().overshoot(),
-                                heat->span() > 0.0 ? 100.0 * heat->books().overshoot() / heat->span() : 0.0,
-                                scene_has_power(*simulation.scene().heat) ? ", which sources and fluxes may cause" : ""));
+                                scene_has_power(*simulation.scene().heat) ? ", which sources and fluxes may cause"
+                                : heat->span() > 0.0                      ? fmt::format(" ({:.2g} % of the span)", 100.0 * heat->books().overshoot() / heat->span())
+                                                                          : ""));
     }
     if (simulation.mechanics()) row("balance errors", fmt::format("mass {:.1e}, momentum {:.1e}, energy {:.1e}; numerical loss {:.1e} of the input work", ledger.mass_error(), ledger.momentum_error(), ledger.energy_error(), ledger.numerical_loss()));
     std::string helped;
