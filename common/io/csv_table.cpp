@@ -1,6 +1,7 @@
 #include "common/io/csv_table.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <sstream>
 
@@ -82,6 +83,12 @@ double CsvTable::comment_value(const std::string& name, const double* otherwise)
     throw Error(ExitCode::bad_input, file, "has no " + name + " in its first comment line", "write a line such as \"# " + name + "=0.15\"");
 }
 
+void CsvTable::require_finite() const {
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        for (std::size_t c = 0; c < columns.size(); ++c)
+            if (!std::isfinite(rows[i][c])) throw fault(i, fmt::format("{} in column \"{}\" is not a finite number", rows[i][c], columns[c]), "write a plain number such as 2.5e-3");
+}
+
 Error CsvTable::fault(std::size_t row, const std::string& problem, const std::string& remedy) const {
     return fault_at(file, lines[row], problem, remedy);
 }
@@ -92,6 +99,7 @@ CsvTable read_csv(const std::string& file) {
     table.file = file;
     std::string line;
     for (int number = 1; std::getline(in, line); ++number) {
+        if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3); // the byte order mark that spreadsheets write
         line = trimmed(line);
         if (line.empty()) continue;
         if (line[0] == '#') {
@@ -104,6 +112,12 @@ CsvTable read_csv(const std::string& file) {
         }
     }
     require(!table.columns.empty(), file + ": has no line of column names", "the first line without \"#\" names the columns");
+    return table;
+}
+
+CsvTable read_finite_csv(const std::string& file) {
+    CsvTable table = read_csv(file);
+    table.require_finite();
     return table;
 }
 

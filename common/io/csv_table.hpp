@@ -20,10 +20,12 @@ struct CsvTable {
     std::vector<double> values(std::string_view column) const;
     // A value of the form "name=1.5" in the comments; an error where it is missing and `otherwise` is null.
     double comment_value(const std::string& name, const double* otherwise = nullptr) const;
+    void require_finite() const; // an error names the first that is not
     Error fault(std::size_t row, const std::string& problem, const std::string& remedy) const;
 };
 
 CsvTable read_csv(const std::string& file);
+CsvTable read_finite_csv(const std::string& file); // an input: a NaN or an infinity in it is refused
 
 // Rows of equal length under the names; numbers are written so that reading them returns the same bits.
 void write_csv(const std::string& file, const std::vector<std::string>& comments, const std::vector<std::string>& columns,

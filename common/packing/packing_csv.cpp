@@ -80,7 +80,7 @@ void read_contacts(const CsvTable& table, const std::map<long, int>& index, Pack
 } // namespace
 
 Packing read_packing_csv(const std::string& particles, const std::string& contacts) {
-    const CsvTable discs = read_csv(particles);
+    const CsvTable discs = read_finite_csv(particles);
     Packing packing;
     read_cell(discs, packing);
     packing.x = discs.values("x");
@@ -95,7 +95,7 @@ Packing read_packing_csv(const std::string& particles, const std::string& contac
         packing.spin = discs.values("wz");
     }
     const auto index = index_of_id(discs);
-    if (!contacts.empty()) read_contacts(read_csv(contacts), index, packing);
+    if (!contacts.empty()) read_contacts(read_finite_csv(contacts), index, packing);
     return packing;
 }
 

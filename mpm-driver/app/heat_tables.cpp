@@ -5,6 +5,7 @@
 
 #include "common/base/error.hpp"
 #include "mpm-driver/app/scene_tables.hpp"
+#include "mpm-driver/heat/initial_field.hpp"
 #include "mpm-driver/heat/time_value.hpp"
 #include "mpm-driver/heat/thermal_material.hpp"
 
@@ -143,7 +144,7 @@ Table<HeatSpec> heat_table() {
     using H = HeatSpec;
     Table<H> table("Heat with phase change, on the grid and points of the mechanics.");
     table.choice("formulation", &H::formulation, {"enthalpy", "capacity"}, "enthalpy: conserves energy, sharp fronts allowed; capacity: the paper's (A2), to show what it costs")
-        .number("stability", &H::stability, at_least(2.0), "b of the step limit C h^2 / (b k) (Eq. 43); beyond b = 2 a fixed step is refused")
+        .number("stability", &H::stability, at_least(2.0), "b of the step limit C h^2 / (b k) (Eq. 43): 2 is stable where all ground ends on grid lines, 3 where it ends anywhere or moves; a longer fixed step is refused")
         .number("ice_step", &H::ice_step, {.least = 0.0, .most = 1.0, .above_least = true}, "with mechanics: no step of heat is foreseen to change the ice saturation of a point by more than this; a mechanical step is the shortest")
         .number("time_scale", &H::time_scale, positive(), "seconds of heat per second of the scene: scales conductivities, fluxes, sources and the times of their tables together")
         .tables("material", &H::materials, material_table(), required)
@@ -166,14 +167,38 @@ double mixture_density(const ThermalMaterialSpec& m) {
 
 namespace {
 
+// The least b of C h^2 / (b k), Eq. (43), that is stable: 2 where all ground ends on grid lines. A surface that reaches 0.41 of a cell
+// beyond a node leaves that node the least volume of all that keep a temperature of their own (find_small_nodes): the largest
+// eigenvalue of a row of such nodes is 5.6 k/(C h^2) instead of 4. So 3 where ground ends anywhere, or moves.
+double least_b(const Scene& scene) {
+    const auto on_grid = [&](const Vector& x) { return ((x - scene.domain.origin) / scene.domain.cell).unaryExpr([](double n) { return std::abs(n - std::round(n)); }).maxCoeff() < 1e-6; };
+    const auto ends_on_lines = [&](const BodySpec& body) {
+        for (std::size_t i = 0; i < body.polygon.size(); ++i) {
+            const Vector edge = body.polygon[(i + 1) % body.polygon.size()] - body.polygon[i];
+            if (!on_grid(body.polygon[i]) || (edge[0] != 0.0 && edge[1] != 0.0)) return false;
+        }
+        return true;
+    };
+    return !scene.mechanics() && std::all_of(scene.bodies.begin(), scene.bodies.end(), ends_on_lines) ? 2.0 : 3.0;
+}
+
+void check_stability(const Scene& scene, const Value& document, Faults& faults) {
+    const double least = least_b(scene);
+    if (scene.heat->stability >= least) return;
+    const Value* heat = document.find("heat");
+    const Value* written = heat ? heat->find("stability") : nullptr;
+    faults.push_back({written ? written->position : document.position, "heat.stability", fmt::format("{:g} is not stable for ground that ends between grid lines or moves", scene.heat->stability),
+                      fmt::format("give at least {:g}", least)});
+}
+
 // A fixed step of heat alone (with mechanics heat takes sub-steps of its own).
 void check_step(const Scene& scene, const ThermalMaterial& material, const Value& document, Faults& faults) {
-    const double largest = material.largest_step(scene.domain.cell) / scene.heat->time_scale; // s
+    const double b = least_b(scene), largest = 2.0 / b * material.largest_step(scene.domain.cell) / scene.heat->time_scale; // s
     const bool used = std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const BodySpec& b) { return b.material == material.name(); });
     if (!used || scene.mechanics() || !scene.step.fixed || *scene.step.fixed <= largest * (1.0 + 1e-9)) return;
     faults.push_back({document.find("step")->find("fixed")->position, "step.fixed",
-                      fmt::format("{:g} s is beyond the largest stable step of heat in material \"{}\", {:.4g} s (Eq. 43 with b = 2)", *scene.step.fixed, material.name(), largest),
-                      fmt::format("use \"auto\", or at most {:.3g} s", 2.0 / scene.heat->stability * largest)});
+                      fmt::format("{:g} s is beyond the largest stable step of heat in material \"{}\", {:.4g} s (Eq. 43 with b = {:g})", *scene.step.fixed, material.name(), largest, b),
+                      fmt::format("use \"auto\", or at most {:.3g} s", b / scene.heat->stability * largest)});
 }
 
 } // namespace
@@ -208,11 +233,17 @@ void resolve_heat_files(Scene& scene, const Value& document, Faults& faults) {
         resolve(s.shape_file, at, key + "shape_file");
     });
     if (!faults.empty()) return;
+    check_stability(scene, document, faults);
     try { // what the tables themselves hold: a curve that is not monotonic, times out of order
         for (const ThermalMaterialSpec& m : scene.heat->materials) check_step(scene, ThermalMaterial(m), document, faults);
         for (const HeatBoundarySpec& b : scene.heat->boundaries) TimeValue(b.value, b.name);
         for (const HeaterSpec& h : scene.heat->heaters) TimeValue(h.value, h.name);
-        for (const HeatSourceSpec& s : scene.heat->sources) TimeValue(s.value, s.name);
+        for (const HeatSourceSpec& s : scene.heat->sources) {
+            TimeValue(s.value, s.name);
+            if (!s.shape_file.empty()) PlaneTable(s.shape_file, "factor");
+        }
+        for (const BodySpec& b : scene.bodies)
+            if (!b.temperature_file.empty()) PlaneTable(b.temperature_file, "temperature_C");
     } catch (const Error& error) {
         faults.push_back({error.where().empty() ? scene.file : error.where(), "heat", error.problem(), error.remedy()});
     }

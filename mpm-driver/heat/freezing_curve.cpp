@@ -13,7 +13,7 @@ namespace {
 
 // Rows of a table from warm to cold, checked.
 void read_lines(const std::string& file, std::vector<double>& temperatures, std::vector<double>& fractions) {
-    const CsvTable table = read_csv(file);
+    const CsvTable table = read_finite_csv(file);
     const auto t = table.values("temperature_C"), s = table.values("unfrozen_saturation");
     require(t.size() >= 2, file + ": has fewer than two rows", "give at least a frozen and a thawed row");
     for (std::size_t i = 0; i < t.size(); ++i) {
@@ -54,6 +54,7 @@ FreezingCurve::FreezingCurve(const ThermalMaterialSpec& spec, double saturated_w
         most_ = 1.0 - spec.residual_water_content / saturated_water_content;
         scale_ = (w0 - spec.residual_water_content) / saturated_water_content;
         jump_ = most_ - scale_;
+        require(most_ > 0.0 && scale_ > 0.0, fmt::format("curve \"fine\": a residual_water_content of {:g} leaves nothing to freeze", spec.residual_water_content), "give less than water_content and than what the pores hold, or curve = \"none\"");
         if (jump_ < 0.0) { // theta_s < 0 at T0: nothing freezes until w has fallen to what the pores hold
             excess_ = -jump_;
             top_ = origin_ + width_ * std::log(most_ / scale_);

@@ -78,6 +78,9 @@ std::vector<std::string> HeatSolver::warnings() const {
     for (const HeaterSpec& heater : spec_.heaters)
         if (heater.begins && *heater.begins >= scene_duration_)
             out.push_back(fmt::format("the heater \"{}\" stays off: it begins at {:g} s by the scene's clock, and the scene ends at {:g} s", heater.name, *heater.begins, scene_duration_));
+    const bool power = any_source_ || std::any_of(spec_.boundaries.begin(), spec_.boundaries.end(), [](const HeatBoundarySpec& side) { return side.kind == "flux"; });
+    if (!power && span() > 0.0 && books_.overshoot() > 0.01 * span()) // only at the end of a run
+        out.push_back(fmt::format("temperatures have left the range of initial and held ones by {:.2g} K, {:.2g} % of the span: a smaller step of heat, more points in a cell or a finer grid tell what it is", books_.overshoot(), 100.0 * books_.overshoot() / span()));
     if (!enthalpy_form_) out.push_back("heat in the capacity form: energy is not conserved where steps jump over the freezing interval (balance.heat)");
     return out;
 }

@@ -29,16 +29,19 @@ std::pair<std::size_t, double> place_in(const std::vector<double>& knots, double
 } // namespace
 
 PlaneTable::PlaneTable(const std::string& file, const std::string& column) {
-    const CsvTable table = read_csv(file);
+    const CsvTable table = read_finite_csv(file);
     const auto x = table.values("x_m"), y = table.values("y_m"), value = table.values(column);
     x_ = sorted(x);
     y_ = sorted(y);
     require(!x.empty() && x_.size() * y_.size() == x.size(), fmt::format("{}: its {} rows are no full grid of {} x {} places", file, x.size(), x_.size(), y_.size()),
             "give a value for every x at every y, once");
     value_.assign(x.size(), 0.0);
+    std::vector<char> given(x.size(), 0);
     for (std::size_t k = 0; k < x.size(); ++k) {
         const auto i = static_cast<std::size_t>(std::lower_bound(x_.begin(), x_.end(), x[k]) - x_.begin());
         const auto j = static_cast<std::size_t>(std::lower_bound(y_.begin(), y_.end(), y[k]) - y_.begin());
+        if (given[i + j * x_.size()]) throw table.fault(k, fmt::format("the place ({:g}, {:g}) m is given twice", x[k], y[k]), "give a value for every x at every y, once");
+        given[i + j * x_.size()] = 1;
         value_[i + j * x_.size()] = value[k];
     }
 }

@@ -40,7 +40,7 @@ ThermalMaterial::ThermalMaterial(const ThermalMaterialSpec& spec) : spec_(spec) 
     frozen_change_ = ice_capacity - water_capacity;
     latent_ = spec.latent_heat * spec.ice_density * ice_;
     if (!spec.conductivity_file.empty()) {
-        const CsvTable table = read_csv(spec.conductivity_file);
+        const CsvTable table = read_finite_csv(spec.conductivity_file);
         given_temperature_ = table.values("temperature_C");
         given_conductivity_ = table.values("conductivity_W_per_mK");
         require(!given_temperature_.empty(), spec.conductivity_file + ": has no rows", "give at least one");

@@ -18,7 +18,7 @@ TimeValue::TimeValue(const TimeValueSpec& spec, const std::string& who) {
         most_ = constant_ + std::abs(amplitude_);
         return;
     }
-    const CsvTable table = read_csv(spec.file);
+    const CsvTable table = read_finite_csv(spec.file);
     times_ = table.values("time_s");
     values_ = table.values("value");
     require(!times_.empty(), spec.file + ": has no rows", "give at least one time and value");

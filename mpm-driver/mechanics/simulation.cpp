@@ -147,7 +147,9 @@ void Simulation::advance_heat() {
         const double remaining = clock_.stage_start + present_stage().duration - clock_.time - dt_;
         const bool switches = clock_.time + 2.0 * dt_ > heat_->next_switch(); // within the next step
         if (clock_.pending_heat + dt_ <= std::min(allowed, heat_->interval_of_ice()) && remaining > 0.5 * dt_ && !switches) return;
-        const int substeps = std::max(1, static_cast<int>(std::ceil(clock_.pending_heat / allowed * (1.0 - 1e-9))));
+        const double wanted = std::ceil(clock_.pending_heat / allowed * (1.0 - 1e-9));
+        require(wanted <= 1e5, fmt::format("a mechanical step of {:.3g} s would need {:.3g} sub-steps of heat", clock_.pending_heat, wanted), "give a smaller heat.time_scale, a coarser domain.cell or a smaller step");
+        const int substeps = std::max(1, static_cast<int>(wanted));
         heat_->advance(grid_, supports_, points_, clock_.pending_heat, substeps, true);
         if (substeps > 1) note(Help::heat_sub_steps, substeps);
         if (heat_->enthalpy_cut() > 0.0) note(Help::cut_enthalpy, heat_->enthalpy_cut());

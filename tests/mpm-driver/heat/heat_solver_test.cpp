@@ -203,6 +203,119 @@ TEST_CASE("dry rock beside wet ground that freezes stays in the range of tempera
     CHECK(simulation->heat()->books().overshoot() < 1e-6); // of a span of 7 K
 }
 
+TEST_CASE("dry rock that is held between a heater and wet ground takes none of its latent heat", "[eq21][held]") {
+    // A row of dry rock a cell thick on frozen wet ground, warmed at its face; then the heater goes off.
+    for (const double sign : {1.0, -1.0}) { // thaw, and its mirror
+        Scene scene = heat_scene(soil_material(), {0.1, 1.0}, 0.05, -1.0 * sign);
+        ThermalMaterialSpec rock = soil_material();
+        rock.name = "rock";
+        rock.porosity = 0.02;
+        rock.saturation = 0.0;
+        rock.curve = "none";
+        scene.heat->materials.push_back(rock);
+        scene.bodies[0].polygon = {{0, 0.05}, {0.1, 0.05}, {0.1, 1.0}, {0, 1.0}};
+        BodySpec crust = box({0, 0}, {0.1, 0.05});
+        crust.name = "crust";
+        crust.law = "none";
+        crust.material = "rock";
+        crust.temperature = -1.0 * sign;
+        scene.bodies.push_back(crust);
+        HeaterSpec heater;
+        heater.name = "face";
+        heater.line = {Vector(0.0, 0.0), Vector(0.1, 0.0)};
+        heater.value.constant = 5.0 * sign;
+        heater.ends = 5.0 * 86400.0;
+        scene.heat->heaters = {heater};
+        auto simulation = start_heat(scene);
+        while (simulation->time() < 6.0 * 86400.0) simulation->step(simulation->next_step());
+        CAPTURE(sign);
+        CHECK(balance(*simulation) < 1e-12);
+        CHECK(simulation->heat()->books().overshoot() < 1e-6); // K of 6; a held row that copies latent heat is off by 28 K
+    }
+}
+
+TEST_CASE("ground within a heater has its temperature, also when the heater goes off", "[held]") {
+    Scene scene = heat_scene(soil_material(), {1.0, 1.0}, 0.05, -2.0);
+    HeaterSpec heater;
+    heater.name = "box";
+    heater.box = {Vector(0.4, 0.4), Vector(0.6, 0.6)};
+    heater.value.constant = 20.0;
+    heater.ends = 8.64e5;
+    scene.heat->heaters = {heater};
+    auto simulation = start_heat(scene);
+    while (simulation->time() < 8.64e5) simulation->step(simulation->next_step());
+    simulation->step(simulation->next_step());
+    const Points& points = simulation->points();
+    double least = 1e300;
+    for (std::size_t p = 0; p < points.count(); ++p) // those whose nodes all lie deeper within than the rim
+        if ((points.position[p] - Vector(0.5, 0.5)).cwiseAbs().maxCoeff() < 0.03) least = std::min(least, points.temperature[p]);
+    CHECK(least > 0.9 * 20.0); // one step after it has gone off
+    CHECK(balance(*simulation) < 1e-12);
+}
+
+TEST_CASE("a plate as thin as a cell feels the temperature and the flux of its side", "[held]") {
+    for (const double thickness : {0.05, 0.075, 0.1, 0.2}) {
+        for (const double offset : {0.0, 0.0125, 0.025}) {
+            Scene scene = heat_scene(soil_material(), {1.0, 0.4}, 0.05, 5.0);
+            scene.bodies[0].polygon = {{0, 0.1 + offset}, {1, 0.1 + offset}, {1, 0.1 + offset + thickness}, {0, 0.1 + offset + thickness}};
+            HeatBoundarySpec top = held_side("top", 5.0);
+            top.kind = "flux"; // 5 W/m2
+            scene.heat->boundaries = {top};
+            auto simulation = start_heat(scene);
+            while (simulation->time() < 86400.0) simulation->step(simulation->next_step());
+            CAPTURE(thickness, offset);
+            CHECK(simulation->heat()->books().heat(0) == Approx(5.0 * 1.0 * simulation->time()).epsilon(1e-12)); // W/m^2 * m^2 * s
+            scene.heat->boundaries = {held_side("top", 1.0)};
+            simulation = start_heat(scene);
+            while (simulation->time() < 30.0 * 86400.0) simulation->step(simulation->next_step());
+            for (const double celsius : simulation->points().temperature) REQUIRE(celsius == Approx(1.0).margin(0.01));
+        }
+    }
+}
+
+TEST_CASE("a source gives its power to all that lies in its box, wherever the points are", "[sources]") {
+    for (const double width : {0.01, 0.07, 0.3}) {
+        Scene scene = heat_scene(soil_material(), {1.0, 0.5}, 0.05, 5.0);
+        HeatSourceSpec source;
+        source.name = "q";
+        source.box = {Vector(0.505, 0.1), Vector(0.505 + width, 0.4)};
+        source.value.constant = 100.0; // W/m^3
+        scene.heat->sources = {source};
+        auto simulation = start_heat(scene);
+        for (int k = 0; k < 10; ++k) simulation->step(simulation->next_step());
+        CAPTURE(width);
+        CHECK(simulation->heat()->books().heat(0) == Approx(100.0 * width * 0.3 * simulation->time()).epsilon(1e-10));
+    }
+}
+
+TEST_CASE("what heats nothing is refused by its name", "[heat]") {
+    Scene scene = heat_scene(soil_material(), {1.0, 0.5}, 0.05, 5.0);
+    HeatBoundarySpec between = held_side("top", 1.0);
+    between.from = 0.51, between.to = 0.54;
+    scene.heat->boundaries = {between};
+    CHECK_THROWS_WITH(start_heat(scene), Catch::Contains("the boundary 'top' touches no node"));
+    scene.heat->boundaries.clear();
+    HeatSourceSpec source;
+    source.name = "far";
+    source.box = {Vector(5, 5), Vector(6, 6)};
+    source.value.constant = 1.0;
+    scene.heat->sources = {source};
+    CHECK_THROWS_WITH(start_heat(scene), Catch::Contains("the source 'far' touches no ground"));
+}
+
+TEST_CASE("a step that is not stable stops the run below absolute zero, with node and time", "[eq43]") {
+    ThermalMaterialSpec soil = soil_material();
+    soil.curve = "none";
+    Scene scene = heat_scene(soil, {1.0, 0.5}, 0.05, 5.0);
+    scene.domain.size = {1.0, 0.7};
+    scene.bodies[0].polygon = {{0.013, 0}, {1, 0.02}, {0.8, 0.55}, {0.5, 0.61}, {0.21, 0.47}}; // cut cells
+    scene.heat->boundaries = {held_side("bottom", -4.0)};
+    auto simulation = start_heat(scene);
+    const double unstable = 0.999 * simulation->heat()->limit(simulation->grid(), simulation->points()).step;
+    const auto run = [&] { for (int k = 0; k < 3000; ++k) simulation->step(unstable); };
+    CHECK_THROWS_WITH(run(), Catch::Contains("below absolute zero"));
+}
+
 TEST_CASE("heat alone has no column of mechanics, mechanics alone none of heat", "[effects]") {
     auto alone = start_heat(freezing_square());
     CHECK(alone->points().velocity.capacity() == 0);

@@ -103,3 +103,20 @@ TEST_CASE("heat goes on once in many mechanical steps or many times within one, 
     CHECK(substeps == Approx(4.0));
     CHECK(few == Approx(many).epsilon(0.02)); // both in steps of 2000 s, 4 cells, but `many` maps to the points after each of them
 }
+
+TEST_CASE("a held side that moves with its surface makes neither heat nor cold, in whatever direction it goes", "[heat][moving][held]") {
+    for (const double velocity : {-0.05, 0.05}) // m per duration: a cell
+        for (const double sign : {1.0, -1.0}) { // freezing, thawing
+            Scene scene = heat_scene(soil_material(), {0.5, 0.2}, 0.05, 0.5 * sign);
+            scene.heat->boundaries = {held_side("left", -6.0 * sign)};
+            make_moving(scene, {0.4, 0.0}, 200.0);
+            for (Vector& corner : scene.bodies[0].polygon) corner[0] += 0.2;
+            auto simulation = start_heat(scene);
+            const double duration = 4.3e4; // s: half a day
+            simulation->prescribe(translation(Vector(velocity / duration, 0.0)));
+            while (simulation->time() < duration) simulation->step(simulation->next_step());
+            CAPTURE(velocity, sign);
+            CHECK(balance(*simulation) < 1e-12);
+            CHECK(simulation->heat()->books().overshoot() <= 0.01 * 6.5); // asked: a hundredth of the span; once 225 of them
+        }
+}

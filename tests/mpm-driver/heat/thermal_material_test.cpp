@@ -113,3 +113,20 @@ TEST_CASE("data that would give negative ice at T0 are told, with the value that
     spec.water_content = 0.285;
     CHECK(ThermalMaterial(spec).warning().find("theta_s = -0.00576 at T0 (set to 0 there); the consistent w0 is 0.2812") != std::string::npos);
 }
+
+TEST_CASE("ice that takes more room than its water takes it from the air first, and opened ground is filled by it", "[eq2][eq3]") {
+    ThermalMaterialSpec spec = soil_material();
+    spec.porosity = 0.45;
+    spec.saturation = 0.6;
+    spec.ice_density = 917.0;
+    spec.conductivity_mean = "arithmetic";
+    const ThermalMaterial material(spec);
+    const double ice = 0.27 * 1000.0 / 917.0, air = 0.45 - ice; // of the volume; all frozen
+    CHECK(material.conductivity(1.0) == Approx(0.55 * spec.grain_conductivity + ice * spec.ice_conductivity + air * spec.air_conductivity).epsilon(1e-12));
+    // Saturated ground, swollen by just what its water grows by: no air in it.
+    spec.saturation = 1.0;
+    spec.ice_density = 1000.0;
+    const ThermalMaterial wet(spec);
+    const double grown = 1.09 * 0.45, all = 0.55 + grown;
+    CHECK(wet.conductivity(1.0, all, 0.09) == Approx((0.55 * spec.grain_conductivity + grown * spec.ice_conductivity) / all).epsilon(1e-12));
+}
