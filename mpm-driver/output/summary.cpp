@@ -151,7 +151,7 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
     json["warnings"] = facts.warnings;
     json["exit"] = facts.exit;
     if (!facts.cause.empty()) json["cause"] = facts.cause;
-    write_file_atomically(path, json.dump(2) + "\n");
+    write_file_atomically(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 std::string summary_table(const Simulation& simulation, const RunFacts& facts) {
