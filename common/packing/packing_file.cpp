@@ -105,6 +105,8 @@ Packing read_packing(const Hdf5File& file, const std::string& group) {
 
 } // namespace
 
+void check_place_of_packings(const std::string& file) { require_replaceable(file, format, "give -o another name"); }
+
 void write_packings(const std::string& file, const std::string& program, const std::vector<Packing>& packings, const std::string& specification) {
     const std::string temporary = file + ".part";
     Hdf5File out = Hdf5File::create(temporary, program, format);

@@ -9,6 +9,7 @@
 #include "common/base/log.hpp"
 #include "common/base/version.hpp"
 #include "exchange/record_file.hpp"
+#include "mpm-driver/app/output_folder.hpp"
 #include "mpm-driver/app/packings.hpp"
 #include "mpm-driver/app/scene_schema.hpp"
 #include "mpm-driver/constitutive/elastic.hpp"
@@ -55,7 +56,7 @@ std::vector<std::string> replay_arguments(const RunOptions& options) {
     return arguments;
 }
 
-void check_recording(const Scene& scene, const RunOptions& options) {
+void check_recording(const Scene& scene, const RunOptions& options, const std::filesystem::path& output) {
     require(options.replay.empty() || options.exchange.empty(), "--replay and --exchange are both given", "start `rve-farm replay` at that exchange by hand, or leave --exchange out");
     require(options.replay.empty() || std::filesystem::exists(options.replay), options.replay + ": no such recording", "record one: mpm-driver run SCENE --record FILE");
     if (!options.replay.empty()) exchange::Record{options.replay}; // what is no recording is said here, before a farm is started
@@ -65,12 +66,15 @@ void check_recording(const Scene& scene, const RunOptions& options) {
     require(options.replay.empty() || options.farms <= 1, "--replay and --farms are both given", "leave --farms out: one recording answers for all");
     require(!options.replay.empty() || !(options.loose || options.tolerance), "--loose and --tolerance are for --replay", "give --replay FILE as well, or leave them out");
     require(scene.rve.has_value() || (options.record.empty() && options.replay.empty()), "the scene has no RVEs: there is nothing to record or replay", "leave --record and --replay out");
+    if (options.record.empty()) return;
+    require(!is_written_by_run(output, options.record), "--record " + options.record + ": the run writes that file itself", "name another file, record.h5 for one");
+    exchange::check_place_of_record(options.record);
 }
 
 } // namespace
 
 SceneLaws make_laws(Scene& scene, const RunOptions& options, const std::filesystem::path& output) {
-    check_recording(scene, options);
+    check_recording(scene, options, output);
     SceneLaws out;
     if (scene.elastic) out.laws_["elastic"] = std::make_unique<ElasticLaw>(*scene.elastic);
     if (scene.rve) {

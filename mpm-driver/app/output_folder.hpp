@@ -16,6 +16,9 @@ private:
     int file_ = -1;
 };
 
+// Whether a run writes, or removes, this file of its output folder itself.
+bool is_written_by_run(const std::filesystem::path& folder, const std::filesystem::path& file);
+
 // A run from the start would leave checkpoints of two runs side by side. The number removed.
 int remove_checkpoints(const std::filesystem::path& folder);
 

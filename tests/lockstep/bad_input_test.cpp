@@ -4,6 +4,7 @@
 #include "tests/support/text.hpp"
 
 #include <csignal>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -119,6 +120,49 @@ TEST_CASE("An output folder that may not be written to is named before anything 
     CHECK(run.end.code == 2);
     CHECK_CONTAINS(run.text, "cannot be written: Permission denied");
     CHECK_FALSE(fs::exists(cache / "packings"));
+}
+
+TEST_CASE("What is written replaces nothing but a file of its own kind", "[lockstep][fault]") {
+    TemporaryFolder folder;
+    const std::string scene = write_tiny_scene(folder).string(), output = (folder / "out").string(), pipe = (folder / "pipe").string(), packing = (folder / "packing.h5").string();
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    std::ofstream(packing) << "thesis";
+    const std::string kept = content(scene);
+    struct Call {
+        std::vector<std::string> arguments;
+        std::string says;
+    };
+    const std::vector<std::string> run = {"mpm-driver", "run", scene, "--output", output, "--quiet", "--record"};
+    const auto recording = [&](const std::string& file) { auto call = run; call.push_back(file); return call; };
+    const std::vector<Call> calls = {
+        {recording(scene), "is there already, and is no file of the format \"talik-record 1\""},
+        {recording(pipe), "is no regular file"},
+        {recording(output + "/history.csv"), "the run writes that file itself"},
+        {recording(output + "/checkpoint-000000001.part/x"), "the run writes that file itself"},
+        {{"rve-farm", "pack", scene, "-o", scene}, "is there already, and is no file of the format \"talik-packing 1\""},
+        {{"rve-farm", "pack", scene, "-o", packing}, "is there already"},
+        {{"rve-farm", "pack", scene, "-o", pipe}, "is no regular file"},
+    };
+    for (const Call& call : calls) {
+        const Finished end = run_to_end(call.arguments, folder / "cache");
+        CAPTURE(call.says, end.text);
+        CHECK(end.end.code == 2);
+        CHECK(end.errors.size() == 1);
+        CHECK_CONTAINS(end.text, call.says);
+    }
+    CHECK(content(scene) == kept);
+    CHECK(content(packing) == "thesis");
+    CHECK_FALSE(fs::exists(folder / "cache/packings"));
+    CHECK_FALSE(fs::exists(folder / "out/history.csv"));
+}
+
+TEST_CASE("A run removes checkpoints of its own making only: folders that a user keeps beside them stay", "[lockstep][fault]") {
+    TemporaryFolder folder;
+    const fs::path output = folder / "out";
+    for (const char* name : {"checkpoint-000000001.bak", "checkpoint-thesis.part", "checkpoint-", "checkpoint-000000007.part", "checkpoint-000000001"}) fs::create_directories(output / name);
+    REQUIRE(run_to_end({"mpm-driver", "run", write_tiny_scene(folder).string(), "--output", output.string(), "--quiet"}, folder / "cache").end.code == 0);
+    for (const char* name : {"checkpoint-000000001.bak", "checkpoint-thesis.part", "checkpoint-"}) CHECK(fs::exists(output / name));
+    for (const char* name : {"checkpoint-000000007.part", "checkpoint-000000001"}) CHECK_FALSE(fs::exists(output / name));
 }
 
 TEST_CASE("Two runs do not share an output folder: the second is refused, the first goes on", "[lockstep][fault]") {
