@@ -66,6 +66,7 @@ void check_recording(const Scene& scene, const RunOptions& options, const std::f
     require(options.replay.empty() || options.farms <= 1, "--replay and --farms are both given", "leave --farms out: one recording answers for all");
     require(!options.replay.empty() || !(options.loose || options.tolerance), "--loose and --tolerance are for --replay", "give --replay FILE as well, or leave them out");
     require(scene.rve.has_value() || (options.record.empty() && options.replay.empty()), "the scene has no RVEs: there is nothing to record or replay", "leave --record and --replay out");
+    require(scene.rve.has_value() || options.exchange.empty(), "--exchange " + options.exchange + ": the scene has no RVEs for a farm to answer", "leave --exchange out");
     if (options.record.empty()) return;
     require(!is_written_by_run(output, options.record), "--record " + options.record + ": the run writes that file itself", "name another file, record.h5 for one");
     exchange::check_place_of_record(options.record);
