@@ -34,6 +34,18 @@ OutputLock::~OutputLock() {
     if (file_ >= 0) ::close(file_);
 }
 
+void require_room_for_files(const fs::path& folder) {
+    for (const char* name : {"history.csv", "summary.json", "fields.h5", "fields.pvd", "fields"})
+        for (const std::string& file : {(folder / name).string(), (folder / name).string() + ".part"}) {
+            std::error_code none;
+            const fs::file_status status = fs::status(file, none);
+            const bool fits = file.ends_with("fields") ? fs::is_directory(status) : fs::is_regular_file(status);
+            if (fs::exists(status) && !fits)
+                throw Error(ExitCode::bad_input, file, file.ends_with("fields") ? "is no folder, but the run's fields go there" : "is no regular file, but the run writes a file there",
+                            "move it away, or choose another folder with --output");
+        }
+}
+
 bool is_written_by_run(const fs::path& folder, const fs::path& file) {
     static const std::vector<std::string> names = {"history.csv", "summary.json", "fields.h5", "fields.pvd", "fields", "recovery", ".lock"};
     std::error_code none;

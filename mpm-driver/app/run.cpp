@@ -241,6 +241,7 @@ int run(const RunOptions& options) {
     Scene scene = read_scene(options.scene, options.set);
     const fs::path output = output_folder(options);
     const OutputLock lock(output);
+    require_room_for_files(output);
     if (exchange::is_mpi(options.exchange)) {
         require(scene.rve.has_value(), "--exchange mpi: the scene has no RVEs for farms to answer", "run it without mpirun");
         exchange::begin_mpi(exchange::Role::driver); // before packings are prepared: farms may wait in it
