@@ -12,6 +12,7 @@
 #include "mpm-driver/app/output_folder.hpp"
 #include "mpm-driver/app/packings.hpp"
 #include "mpm-driver/app/scene_schema.hpp"
+#include "mpm-driver/app/scene_tables.hpp"
 #include "mpm-driver/constitutive/elastic.hpp"
 #include "mpm-driver/points/overburden.hpp"
 
@@ -77,6 +78,8 @@ void check_recording(const Scene& scene, const RunOptions& options, const std::f
 SceneLaws make_laws(Scene& scene, const RunOptions& options, const std::filesystem::path& output) {
     check_recording(scene, options, output);
     SceneLaws out;
+    out.warnings_ = seeding_warnings(scene);
+    for (const std::string& warning : out.warnings_) log::warn("{}", warning);
     if (scene.elastic) out.laws_["elastic"] = std::make_unique<ElasticLaw>(*scene.elastic);
     if (scene.rve) {
         FarmSetup setup;
@@ -85,9 +88,8 @@ SceneLaws make_laws(Scene& scene, const RunOptions& options, const std::filesyst
         setup.packings = obtain_packings(*scene.rve, options.threads, options.quiet);
         for (BodySpec& body : scene.bodies)
             if (body.law == "rve" && !body.density) body.density = bulk_density(setup.packings, setup.parameters.grain_density);
-        out.warnings_ = packing_warnings(scene, setup.packings);
         for (const Packing& p : setup.packings) out.packings_.push_back({p.seed, p.void_ratio(), p.pressure, p.vertical_stress, p.lateral_stress});
-        for (const std::string& warning : out.warnings_) log::warn("{}", warning);
+        for (const std::string& warning : packing_warnings(scene, setup.packings)) log::warn("{}", warning), out.warnings_.push_back(warning);
         out.partner_ = std::make_unique<FarmPartner>(
             PartnerOptions{options.exchange, options.backend, replay_arguments(options), options.farms, options.threads, options.stall_seconds, options.attach_seconds, options.quiet});
         exchange::Hello hello;
