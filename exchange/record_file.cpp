@@ -120,6 +120,8 @@ void Record::read_asked(std::size_t place, std::span<std::uint8_t> out) const {
         asked_.read(place, out);
 }
 
+void check_place_of_record(const std::string& file) { require_replaceable(file, format, "name another file with --record"); }
+
 RecordFile::RecordFile(const std::string& file, const RecordFacts& facts) : file_(create_growing_file(file, facts.driver, format)) {
     file_.set_attribute("/", "driver", facts.driver);
     file_.set_attribute("/", "farm", facts.farm);

@@ -56,6 +56,9 @@ private:
     Hdf5Series<std::uint8_t> asked_;
 };
 
+// Before a run begins: `file` replaces nothing but a recording.
+void check_place_of_record(const std::string& file);
+
 // To write: rows come in the order of the steps.
 class RecordFile {
 public:

@@ -30,7 +30,7 @@ std::string part_of(const std::string& file) { return file + ".part"; }
 Recorder::Recorder(std::string file, RecordFacts facts) : file_(std::move(file)), facts_(std::move(facts)) {
     const fs::path folder = fs::path(file_).parent_path();
     if (!folder.empty()) make_folder(folder);
-    if (fs::is_directory(file_)) throw Error(ExitCode::bad_input, file_, "is a folder", "name a file with --record");
+    check_place_of_record(file_);
     out_ = std::make_unique<RecordFile>(part_of(file_), facts_); // a place that cannot be written to shows here
     const auto columns = [](const std::vector<Column>& list) { return static_cast<std::size_t>(ColumnTable(list).components()); };
     for (Block& block : ring_) {

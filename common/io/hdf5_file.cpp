@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <utility>
 
 #include "common/base/version.hpp"
@@ -158,6 +159,38 @@ void Hdf5File::write_text(const std::string& path, const std::string& text) {
 std::string Hdf5File::read_text(const std::string& path) const {
     const auto bytes = read<std::uint8_t>(path).values;
     return std::string(bytes.begin(), bytes.end());
+}
+
+namespace {
+
+bool begins_as_hdf5(const std::string& file) {
+    const std::string signature = "\x89HDF\r\n\x1a\n";
+    std::string begin(signature.size(), '\0');
+    return std::ifstream(file, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size())) && begin == signature;
+}
+
+// Empty where it cannot be told, as in a file that was cut.
+std::string format_of(const std::string& file) {
+    try {
+        const Hdf5File old = Hdf5File::open(file);
+        return old.has_attribute("/", "format") ? old.text_attribute("/", "format") : "none";
+    } catch (const Error&) {
+        return "";
+    }
+}
+
+} // namespace
+
+void require_replaceable(const std::string& file, const std::string& format, const std::string& remedy) {
+    namespace fs = std::filesystem;
+    std::error_code none;
+    const auto refuse = [&](const std::string& problem) { throw Error(ExitCode::bad_input, file, problem, remedy); };
+    for (const std::string& place : {file, file + ".part"}) // what is written first
+        if (const fs::file_status status = fs::status(place, none); fs::exists(status) && !fs::is_regular_file(status))
+            throw Error(ExitCode::bad_input, place, fs::is_directory(status) ? "is a folder" : "is no regular file", remedy);
+    if (!fs::exists(file, none) || fs::file_size(file, none) == 0) return;
+    if (!begins_as_hdf5(file)) refuse("is there already, and is no file of the format \"" + format + "\": it would be lost");
+    if (const std::string found = format_of(file); !found.empty() && found != format) refuse("is there already, and has the format \"" + found + "\": it would be lost");
 }
 
 #define TALIK_HDF5_NUMBER(Number)                                                                        \

@@ -76,4 +76,8 @@ private:
     std::unique_ptr<Handle> handle_;
 };
 
+// Of a file that is about to be replaced: there is none, an empty one, or one of this format (of a damaged one the first bytes
+// tell). Anything else, a scene or a device, is somebody's, and refused.
+void require_replaceable(const std::string& file, const std::string& format, const std::string& remedy);
+
 } // namespace talik

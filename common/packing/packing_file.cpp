@@ -105,13 +105,23 @@ Packing read_packing(const Hdf5File& file, const std::string& group) {
 
 } // namespace
 
+void check_place_of_packings(const std::string& file) { require_replaceable(file, format, "give -o another name"); }
+
 void write_packings(const std::string& file, const std::string& program, const std::vector<Packing>& packings, const std::string& specification) {
+    check_place_of_packings(file);
     const std::string temporary = file + ".part";
-    Hdf5File out = Hdf5File::create(temporary, program, format);
-    if (!specification.empty()) out.write_text("/specification", specification);
-    for (std::size_t i = 0; i < packings.size(); ++i) write_packing(out, fmt::format("/packing/{:04}", i), packings[i]);
-    out.close();
-    std::filesystem::rename(temporary, file);
+    std::error_code why;
+    try {
+        Hdf5File out = Hdf5File::create(temporary, program, format);
+        if (!specification.empty()) out.write_text("/specification", specification);
+        for (std::size_t i = 0; i < packings.size(); ++i) write_packing(out, fmt::format("/packing/{:04}", i), packings[i]);
+        out.close();
+    } catch (...) { // a half takes the room that may be lacking, and is of no use
+        std::filesystem::remove(temporary, why);
+        throw;
+    }
+    std::filesystem::rename(temporary, file, why);
+    if (why) throw Error(ExitCode::bad_input, file, "cannot be written: " + why.message(), "give -o the name of a file in a folder you may write to");
 }
 
 std::vector<Packing> read_packings(const std::string& file) {

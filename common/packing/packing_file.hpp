@@ -7,6 +7,9 @@
 
 namespace talik {
 
+// Before the work of preparing packings: `file` replaces nothing but a packing file.
+void check_place_of_packings(const std::string& file);
+
 // Written under a temporary name and renamed, so that a packing file is whole or absent. `specification`: the TOML text it
 // was prepared from, kept with it (may be empty).
 void write_packings(const std::string& file, const std::string& program, const std::vector<Packing>& packings,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/error.hpp"
 #include "common/physics/rve_parameters.hpp"
 
 namespace talik {
@@ -11,7 +12,9 @@ namespace talik {
 // quotient such as 1e-3 / 1e-5.
 inline int substeps_of(const RveParameters& parameters, double time_increment) {
     if (parameters.substeps > 0) return parameters.substeps;
-    return std::max(1, static_cast<int>(std::ceil(time_increment / parameters.time_step * (1.0 - 1e-9))));
+    const double count = std::ceil(time_increment / parameters.time_step * (1.0 - 1e-9));
+    require(count <= 1e9, "too many DEM sub-steps in one macro step: its length over rve.time_step is above 1e9", "give a larger rve.time_step"); // an int holds no more
+    return std::max(1, static_cast<int>(count));
 }
 
 } // namespace talik

@@ -1,6 +1,7 @@
 #include "common/scene/toml_document.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -9,6 +10,9 @@
 #include "common/io/text_file.hpp"
 
 namespace talik::scene {
+
+namespace fs = std::filesystem;
+
 namespace {
 
 Value converted(const toml::node& node, const std::string& file) {
@@ -112,7 +116,14 @@ std::string_view Value::kind_name() const {
     return "";
 }
 
-Value read_document(const std::string& file) { return parse_document(read_text_file(file), file); }
+Value read_document(const std::string& file) {
+    std::error_code none;
+    const fs::file_status status = fs::status(file, none);
+    // A pipe holds its text for one reader only, and a scene is read more than once.
+    if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
+        throw Error(ExitCode::bad_input, file, "is no regular file but a pipe or a device", "save the text in a file and name that");
+    return parse_document(read_text_file(file), file);
+}
 
 Value parse_document(const std::string& text, const std::string& file_name) {
     try {

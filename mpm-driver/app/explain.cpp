@@ -10,6 +10,7 @@
 #include "mpm-driver/app/laws.hpp"
 #include "mpm-driver/app/packings.hpp"
 #include "mpm-driver/app/scene_schema.hpp"
+#include "mpm-driver/app/scene_tables.hpp"
 #include "mpm-driver/constitutive/elastic.hpp"
 #include "mpm-driver/heat/heat_solver.hpp"
 #include "mpm-driver/mechanics/step_limit.hpp"
@@ -128,7 +129,9 @@ int explain(const std::string& scene_file, const std::vector<std::string>& set, 
         points.p_wave_modulus[p] = rve ? facts.stiffness : ElasticLaw(*scene.elastic).p_wave_modulus();
     }
 
-    const std::vector<std::string> warnings = scene.rve ? packing_warnings(scene, packings) : std::vector<std::string>();
+    std::vector<std::string> warnings = seeding_warnings(scene);
+    if (scene.rve)
+        for (const std::string& warning : packing_warnings(scene, packings)) warnings.push_back(warning);
 
     fmt::print("{} ({}, hash {})\n", scene.title, scene.file, scene.hash);
     explain_effects(scene);

@@ -9,8 +9,10 @@
 #include "common/base/log.hpp"
 #include "common/base/version.hpp"
 #include "exchange/record_file.hpp"
+#include "mpm-driver/app/output_folder.hpp"
 #include "mpm-driver/app/packings.hpp"
 #include "mpm-driver/app/scene_schema.hpp"
+#include "mpm-driver/app/scene_tables.hpp"
 #include "mpm-driver/constitutive/elastic.hpp"
 #include "mpm-driver/points/overburden.hpp"
 
@@ -55,7 +57,7 @@ std::vector<std::string> replay_arguments(const RunOptions& options) {
     return arguments;
 }
 
-void check_recording(const Scene& scene, const RunOptions& options) {
+void check_recording(const Scene& scene, const RunOptions& options, const std::filesystem::path& output) {
     require(options.replay.empty() || options.exchange.empty(), "--replay and --exchange are both given", "start `rve-farm replay` at that exchange by hand, or leave --exchange out");
     require(options.replay.empty() || std::filesystem::exists(options.replay), options.replay + ": no such recording", "record one: mpm-driver run SCENE --record FILE");
     if (!options.replay.empty()) exchange::Record{options.replay}; // what is no recording is said here, before a farm is started
@@ -65,13 +67,19 @@ void check_recording(const Scene& scene, const RunOptions& options) {
     require(options.replay.empty() || options.farms <= 1, "--replay and --farms are both given", "leave --farms out: one recording answers for all");
     require(!options.replay.empty() || !(options.loose || options.tolerance), "--loose and --tolerance are for --replay", "give --replay FILE as well, or leave them out");
     require(scene.rve.has_value() || (options.record.empty() && options.replay.empty()), "the scene has no RVEs: there is nothing to record or replay", "leave --record and --replay out");
+    require(scene.rve.has_value() || options.exchange.empty(), "--exchange " + options.exchange + ": the scene has no RVEs for a farm to answer", "leave --exchange out");
+    if (options.record.empty()) return;
+    require(!is_written_by_run(output, options.record), "--record " + options.record + ": the run writes that file itself", "name another file, record.h5 for one");
+    exchange::check_place_of_record(options.record);
 }
 
 } // namespace
 
 SceneLaws make_laws(Scene& scene, const RunOptions& options, const std::filesystem::path& output) {
-    check_recording(scene, options);
+    check_recording(scene, options, output);
     SceneLaws out;
+    out.warnings_ = seeding_warnings(scene);
+    for (const std::string& warning : out.warnings_) log::warn("{}", warning);
     if (scene.elastic) out.laws_["elastic"] = std::make_unique<ElasticLaw>(*scene.elastic);
     if (scene.rve) {
         FarmSetup setup;
@@ -80,9 +88,8 @@ SceneLaws make_laws(Scene& scene, const RunOptions& options, const std::filesyst
         setup.packings = obtain_packings(*scene.rve, options.threads, options.quiet);
         for (BodySpec& body : scene.bodies)
             if (body.law == "rve" && !body.density) body.density = bulk_density(setup.packings, setup.parameters.grain_density);
-        out.warnings_ = packing_warnings(scene, setup.packings);
         for (const Packing& p : setup.packings) out.packings_.push_back({p.seed, p.void_ratio(), p.pressure, p.vertical_stress, p.lateral_stress});
-        for (const std::string& warning : out.warnings_) log::warn("{}", warning);
+        for (const std::string& warning : packing_warnings(scene, setup.packings)) log::warn("{}", warning), out.warnings_.push_back(warning);
         out.partner_ = std::make_unique<FarmPartner>(
             PartnerOptions{options.exchange, options.backend, replay_arguments(options), options.farms, options.threads, options.stall_seconds, options.attach_seconds, options.quiet});
         exchange::Hello hello;

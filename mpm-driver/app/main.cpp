@@ -17,6 +17,7 @@
 #include "mpm-driver/app/explain.hpp"
 #include "mpm-driver/app/run.hpp"
 #include "mpm-driver/app/scene_schema.hpp"
+#include "mpm-driver/app/scene_tables.hpp"
 
 namespace {
 
@@ -27,7 +28,10 @@ using namespace talik::driver;
 int check(const std::string& scene, const std::vector<std::string>& set) {
     const auto faults = check_scene(scene, set);
     for (const auto& fault : faults) fmt::print(stderr, "error: {}\n", fault.text());
-    if (faults.empty()) fmt::print("{}: sound\n", scene);
+    if (faults.empty()) {
+        for (const auto& warning : seeding_warnings(read_scene(scene, set))) fmt::print(stderr, "warning: {}\n", warning);
+        fmt::print("{}: sound\n", scene);
+    }
     return faults.empty() ? 0 : 2;
 }
 

@@ -4,6 +4,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
 #include "common/io/text_file.hpp"
+#include "mpm-driver/output/checkpoint.hpp"
 
 namespace talik::driver {
 
@@ -32,13 +34,32 @@ OutputLock::~OutputLock() {
     if (file_ >= 0) ::close(file_);
 }
 
+void require_room_for_files(const fs::path& folder) {
+    for (const char* name : {"history.csv", "summary.json", "fields.h5", "fields.pvd", "fields"})
+        for (const std::string& file : {(folder / name).string(), (folder / name).string() + ".part"}) {
+            std::error_code none;
+            const fs::file_status status = fs::status(file, none);
+            const bool fits = file.ends_with("fields") ? fs::is_directory(status) : fs::is_regular_file(status);
+            if (fs::exists(status) && !fits)
+                throw Error(ExitCode::bad_input, file, file.ends_with("fields") ? "is no folder, but the run's fields go there" : "is no regular file, but the run writes a file there",
+                            "move it away, or choose another folder with --output");
+        }
+}
+
+bool is_written_by_run(const fs::path& folder, const fs::path& file) {
+    static const std::vector<std::string> names = {"history.csv", "summary.json", "fields.h5", "fields.pvd", "fields", "recovery", ".lock"};
+    std::error_code none;
+    const fs::path inside = fs::weakly_canonical(file, none).lexically_relative(fs::canonical(folder, none));
+    if (none || inside.empty()) return false;
+    std::string name = inside.begin()->string();
+    if (name.ends_with(".part")) name.resize(name.size() - 5);
+    return is_checkpoint_name(name) || std::find(names.begin(), names.end(), name) != names.end();
+}
+
 int remove_checkpoints(const fs::path& folder) {
-    const std::string begin = "checkpoint-";
     std::vector<fs::path> old; // first listed, then removed: a folder is not changed while it is read
     for (const auto& entry : fs::directory_iterator(folder)) {
-        const std::string name = entry.path().filename().string();
-        const bool numbered = name.starts_with(begin) && name.size() > begin.size() && name.find_first_not_of("0123456789", begin.size()) == std::string::npos;
-        if (numbered && entry.is_directory()) old.push_back(entry.path());
+        if (entry.is_directory() && is_checkpoint_name(entry.path().filename().string())) old.push_back(entry.path());
     }
     for (const fs::path& path : old) fs::remove_all(path);
     return static_cast<int>(old.size());

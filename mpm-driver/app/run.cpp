@@ -13,6 +13,7 @@
 #include "common/base/progress.hpp"
 #include "common/base/version.hpp"
 #include "common/io/text_file.hpp"
+#include "common/physics/clock.hpp"
 #include "exchange/mpi_channel.hpp"
 #include "exchange/run_board.hpp"
 #include "exchange/transport.hpp"
@@ -57,17 +58,25 @@ fs::path output_folder(const RunOptions& options) {
 class Run {
 public:
     Run(const RunOptions& options, const fs::path& output, const Scene& scene, SceneLaws& laws)
-        : options_(options), scene_(scene), output_(output), laws_(laws), simulation_(scene_, laws_.take()), checkpoints_(output_) {
+        : options_(options), scene_(scene), output_(output), laws_(laws), simulation_(scene_, laws_.take()) {
         if (!options.restart.empty()) restore_checkpoint(simulation_, options.restart);
+    }
+
+    // What an earlier run left in the folder goes only once nothing speaks against this one.
+    void begin() {
         check_damping();
-        if (options.restart.empty())
+        if (options_.restart.empty()) simulation_.check_next_step();
+        if (scene_.rve && !simulation_.finished()) substeps_of(scene_.rve->parameters, simulation_.next_step()); // too many are refused
+        begun_ = true;
+        checkpoints_.emplace(output_);
+        if (options_.restart.empty())
             if (const int old = remove_checkpoints(output_)) log::info("removed {} checkpoint(s) of an earlier run from {}", old, output_.string());
-        const std::int64_t keep = options.restart.empty() ? -1 : simulation_.steps_done();
+        const std::int64_t keep = options_.restart.empty() ? -1 : simulation_.steps_done();
         std::vector<std::string> names;
         for (const HistoryValue& value : history_values(simulation_)) names.push_back(value.name);
         history_.emplace(output_ / "history.csv", names, keep);
         fields_.emplace(output_, keep);
-        if (options.restart.empty()) {
+        if (options_.restart.empty()) {
             write_history();
             write_fields();
         }
@@ -106,8 +115,9 @@ public:
         return 0;
     }
 
-    // After the end of go(), however it ended.
+    // After the end of go(), however it ended. A run refused before it began leaves the summary of the one before it.
     void close(int exit, const std::string& cause) {
+        if (!begun_ && fs::exists(output_ / "summary.json")) return;
         RunFacts facts = laws_.facts();
         for (const std::string& warning : simulation_.warnings()) facts.warnings.push_back(warning);
         if (const HeatSolver* heat = simulation_.heat())
@@ -124,9 +134,7 @@ public:
     }
 
     std::string newest_checkpoint() const {
-        const auto& newest = checkpoints_.newest();
-        if (!newest.empty()) return newest.string();
-        return options_.restart;
+        return checkpoints_ && !checkpoints_->newest().empty() ? checkpoints_->newest().string() : options_.restart;
     }
 
 private:
@@ -181,7 +189,7 @@ private:
     // Once per step: the end of a run may fall on a checkpoint that is due.
     void write_checkpoint() {
         if (checkpointed_step_ == simulation_.steps_done()) return;
-        checkpoints_.write(simulation_);
+        checkpoints_->write(simulation_);
         checkpointed_step_ = simulation_.steps_done();
     }
 
@@ -197,10 +205,10 @@ private:
     fs::path output_;
     SceneLaws& laws_;
     Simulation simulation_;
-    Checkpoints checkpoints_;
+    std::optional<Checkpoints> checkpoints_;
     std::optional<History> history_;
     std::optional<FieldsWriter> fields_;
-    bool written_fields_ = false;
+    bool begun_ = false, written_fields_ = false;
     std::size_t warned_ = 0; // of the simulation's warnings, said
     std::int64_t checkpointed_step_ = -1;
     double output_seconds_ = 0.0;
@@ -210,6 +218,7 @@ private:
 // The run with its books closed at its end, whichever that is: the summary is written, and the error names the checkpoint.
 int go_and_close(Run& run) {
     try {
+        run.begin();
         const int exit = run.go();
         run.close(exit, "");
         return exit;
@@ -232,6 +241,7 @@ int run(const RunOptions& options) {
     Scene scene = read_scene(options.scene, options.set);
     const fs::path output = output_folder(options);
     const OutputLock lock(output);
+    require_room_for_files(output);
     if (exchange::is_mpi(options.exchange)) {
         require(scene.rve.has_value(), "--exchange mpi: the scene has no RVEs for farms to answer", "run it without mpirun");
         exchange::begin_mpi(exchange::Role::driver); // before packings are prepared: farms may wait in it

@@ -101,7 +101,7 @@ struct Scene {
     OutputSpec output;
 
     std::string file; // as given
-    std::string hash; // of the checked content, so that comments and layout do not count
+    std::string hash; // of the checked content and of the files it names, so that comments and layout do not count
 
     // Bodies move and carry stress; in a scene of heat alone (law "none" throughout) no column of mechanics exists.
     bool mechanics() const {

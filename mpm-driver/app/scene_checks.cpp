@@ -1,7 +1,10 @@
 // Rules of a scene that look at more than one table.
 #include <algorithm>
+#include <cmath>
 
+#include "mpm-driver/app/polygon.hpp"
 #include "mpm-driver/app/scene_tables.hpp"
+#include "mpm-driver/points/seed.hpp"
 
 namespace talik::driver {
 
@@ -35,6 +38,21 @@ void check_bodies(const Scene& scene, const Place& at) {
             }
         for (std::size_t j = 0; j < i; ++j)
             if (scene.bodies[j].name == scene.bodies[i].name) body.fault("name", fmt::format("\"{}\" is also the name of body.{}", scene.bodies[i].name, j), "give each body a name of its own");
+    }
+}
+
+const char* outline(const Place& body) { return body.has("box") ? "box" : "polygon"; }
+
+// Where nothing else is wrong, for points are laid out to see it.
+void check_points(const Scene& scene, const Place& at) {
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+        const BodySpec& body = scene.bodies[i];
+        const Place place = item(at, "body", i);
+        if (!holds_a_point(body, scene.domain))
+            place.fault(outline(place), fmt::format("holds no point: points stand {:g} m apart", 2.0 * point_half_size(body, scene.domain.cell)), "take a smaller cell, more points per cell, or a larger body");
+        for (std::size_t j = 0; j < i; ++j)
+            if (overlap(body, scene.bodies[j], scene.domain))
+                place.fault(outline(place), fmt::format("overlaps body.{} \"{}\": the same ground would be there twice", j, scene.bodies[j].name), "give each body ground of its own");
     }
 }
 
@@ -132,6 +150,18 @@ void check_whole_scene(const Scene& scene, const Place& at) {
     check_stages(scene, at);
     check_k0(scene, at);
     check_phase_change_strain(scene, at);
+    if (at.faults.empty()) check_points(scene, at);
+}
+
+std::vector<std::string> seeding_warnings(const Scene& scene) {
+    std::vector<std::string> warnings;
+    for (const BodySpec& body : scene.bodies) {
+        const double wanted = std::abs(polygon_area(body.polygon)), got = area_of_points(body, scene.domain), spacing = 2.0 * point_half_size(body, scene.domain.cell); // m^2, m
+        if (std::abs(got - wanted) > 0.01 * wanted)
+            warnings.push_back(fmt::format("body \"{}\": its outline encloses {:.4g} m2, its points stand for {:.4g} m2 ({:+.1f} %), and so does its mass: make it a whole number of point spacings of {:g} m, or take a smaller cell",
+                                           body.name, wanted, got, 100.0 * (got / wanted - 1.0), spacing));
+    }
+    return warnings;
 }
 
 } // namespace talik::driver

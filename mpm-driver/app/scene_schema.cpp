@@ -1,6 +1,11 @@
 #include "mpm-driver/app/scene_schema.hpp"
 
+#include <filesystem>
+
+#include <fmt/format.h>
+
 #include "common/base/error.hpp"
+#include "common/io/text_file.hpp"
 #include "common/scene/rve_tables.hpp"
 #include "mpm-driver/app/scene_tables.hpp"
 
@@ -38,15 +43,38 @@ const Table<SceneFile>& scene_table() {
     return kept;
 }
 
+// What lies in the files that a scene names is content of the scene as well; a packing's HDF5 file is not, for the checkpoint
+// holds what became of it. What is not there is a fault of its own.
+std::string content_of_files(const Scene& scene) {
+    std::vector<std::string> files;
+    for (const BodySpec& body : scene.bodies) files.push_back(body.temperature_file);
+    if (scene.rve) files.insert(files.end(), {scene.rve->packing.particles, scene.rve->packing.contacts});
+    if (scene.heat) {
+        for (const ThermalMaterialSpec& m : scene.heat->materials) files.insert(files.end(), {m.curve_file, m.conductivity_file});
+        for (const HeatBoundarySpec& b : scene.heat->boundaries) files.push_back(b.value.file);
+        for (const HeaterSpec& h : scene.heat->heaters) files.push_back(h.value.file);
+        for (const HeatSourceSpec& s : scene.heat->sources) files.insert(files.end(), {s.value.file, s.shape_file});
+    }
+    std::string text;
+    std::error_code none;
+    for (const std::string& file : files) {
+        if (file.empty() || !std::filesystem::is_regular_file(file, none)) continue;
+        const std::string content = read_text_file(file);
+        text += fmt::format("\n{} bytes\n", content.size()) + content;
+    }
+    return text;
+}
+
 SceneFile read_with_faults(const std::string& file, const std::vector<std::string>& overrides, Faults& faults) {
     Value document = read_document(file);
     for (const auto& override : overrides) apply_override(document, override);
     SceneFile scene;
     scene_table().read(document, "", scene, faults);
     scene.file = file;
-    if (faults.empty()) scene.hash = fingerprint(scene_dump(scene)); // before paths are resolved: a moved scene stays the same
+    const std::string dump = faults.empty() ? scene_dump(scene) : ""; // before paths are resolved: a moved scene stays the same
     if (scene.heat) resolve_heat_files(scene, document, faults);
     if (const Value* rve = document.find("rve"); rve && scene.rve) resolve_packing_files(scene.rve->packing, file, Place{*rve, "rve", faults});
+    if (faults.empty()) scene.hash = fingerprint(dump + content_of_files(scene));
     return scene;
 }
 

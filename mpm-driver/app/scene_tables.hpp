@@ -27,6 +27,9 @@ void resolve_heat_files(Scene& scene, const scene::Value& document, scene::Fault
 // Bulk density of a mixture, kg/m^3: (1 - n) rho_g + n S rho_f.
 double mixture_density(const ThermalMaterialSpec& material);
 
+// Of bodies whose points stand for more or less ground than their outlines enclose, by 1 % and more.
+std::vector<std::string> seeding_warnings(const Scene& scene);
+
 // What (34) does not bear: a damping alpha with alpha dt >= 1. For a step the scene fixes it is a fault of the scene; for an
 // automatic one it shows at the first step.
 struct DampingFault {

@@ -106,23 +106,35 @@ double Simulation::next_step() const {
 
 void Simulation::check_step(double dt) {
     if (!safeguards_) return;
-    const ExitCode code = steps_done() == 0 ? ExitCode::bad_input : ExitCode::failed;
-    if (!mechanics()) { // with mechanics, heat takes sub-steps of its own
-        const HeatLimit limit = heat_->limit(grid_, points_);
-        if (dt <= limit.step * (1.0 + 1e-9)) return;
-        fail(code, fmt::format("the step of {:.4g} s is beyond the largest stable one of heat, {}", dt, heat_->describe(limit, grid_)),
-             fmt::format("use step = \"auto\", or at most {:.3g} s", limit.automatic));
-    }
+    if (!mechanics()) return refuse_beyond(heat_->limit(grid_, points_), dt); // with mechanics, heat takes sub-steps of its own
     const StepLimit limit = stable_step();
     if (std::isnan(limit.step) || std::isnan(dt)) name_what_is_no_number();
     if (clock_.first_limit == 0.0) clock_.first_limit = limit.step;
     if (scene_.step.fixed && dt > limit.safe_step) clock_.unsafe_steps += 1.0;
     if (!scene_.step.fixed && limit.step < 0.5 * clock_.first_limit) note(Help::smaller_step, clock_.first_limit / limit.step, limit.point);
-    if (!(dt <= limit.step))
-        fail(code,
-             fmt::format("the step of {:.4g} s is beyond the largest stable one, {}{}", dt, describe(limit, grid_.cell()),
-                         steps_done() == 0 ? "" : fmt::format(", in step {} at t = {:.6g} s", steps_done() + 1, time())),
-             fmt::format("use step = \"auto\", or at most {:.3g} s", 0.5 * std::min(limit.step, limit.surface_step)));
+    refuse_beyond(limit, dt);
+}
+
+void Simulation::check_next_step() {
+    if (finished() || !safeguards_) return;
+    if (mechanics()) refuse_beyond(stable_step(), next_step());
+    else refuse_beyond(heat_->limit(grid_, points_), next_step());
+}
+
+// A step too large is bad input where it is the first.
+void Simulation::refuse_beyond(const HeatLimit& limit, double dt) const {
+    if (dt <= limit.step * (1.0 + 1e-9)) return;
+    fail(steps_done() == 0 ? ExitCode::bad_input : ExitCode::failed, fmt::format("the step of {:.4g} s is beyond the largest stable one of heat, {}", dt, heat_->describe(limit, grid_)),
+         fmt::format("use step = \"auto\", or at most {:.3g} s", limit.automatic));
+}
+
+void Simulation::refuse_beyond(const StepLimit& limit, double dt) {
+    if (std::isnan(limit.step) || std::isnan(dt)) name_what_is_no_number();
+    if (dt <= limit.step) return;
+    fail(steps_done() == 0 ? ExitCode::bad_input : ExitCode::failed,
+         fmt::format("the step of {:.4g} s is beyond the largest stable one, {}{}", dt, describe(limit, grid_.cell()),
+                     steps_done() == 0 ? "" : fmt::format(", in step {} at t = {:.6g} s", steps_done() + 1, time())),
+         fmt::format("use step = \"auto\", or at most {:.3g} s", 0.5 * std::min(limit.step, limit.surface_step)));
 }
 
 void Simulation::step(double dt) {

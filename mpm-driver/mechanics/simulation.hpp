@@ -44,6 +44,7 @@ public:
     StepLimit stable_step() const;     // Eq. (42), for the present state; without end where nothing moves
     std::string describe_limits() const;
     void step(double dt);              // refuses a dt beyond the limit
+    void check_next_step();            // refuses as step() will, and changes nothing
 
     double time() const { return clock_.time; }                                       // s
     std::int64_t steps_done() const { return static_cast<std::int64_t>(clock_.step); }
@@ -89,6 +90,8 @@ private:
     void build_schedule();
     void advance_heat();
     void check_step(double dt);
+    void refuse_beyond(const HeatLimit& limit, double dt) const;
+    void refuse_beyond(const StepLimit& limit, double dt);
     void check_numbers();
     [[noreturn]] void name_what_is_no_number();
     void note(Help help, double amount, std::optional<std::uint32_t> point = {});

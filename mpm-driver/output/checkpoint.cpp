@@ -22,13 +22,12 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr const char* format = "talik-driver-checkpoint 2";
-constexpr const char* prefix = "checkpoint-";
+const std::string prefix = "checkpoint-", half = ".part";
 
 std::vector<fs::path> whole_checkpoints(const fs::path& folder) {
     std::vector<fs::path> found;
     for (const auto& entry : fs::directory_iterator(folder)) {
-        const std::string name = entry.path().filename().string();
-        if (entry.is_directory() && name.starts_with(prefix) && !name.ends_with(".part")) found.push_back(entry.path());
+        if (entry.is_directory() && is_checkpoint_name(entry.path().filename().string())) found.push_back(entry.path());
     }
     std::sort(found.begin(), found.end()); // steps are padded with zeros: the order of names is the order of steps
     return found;
@@ -87,18 +86,24 @@ void put_in_place(const fs::path& part, const fs::path& target) {
 
 } // namespace
 
+bool is_checkpoint_name(const std::string& name) {
+    return name.starts_with(prefix) && name.size() > prefix.size() && name.find_first_not_of("0123456789", prefix.size()) == std::string::npos;
+}
+
 Checkpoints::Checkpoints(fs::path output_folder, int keep) : folder_(std::move(output_folder)), keep_(keep) {
-    for (const auto& entry : fs::directory_iterator(folder_)) { // halves of a run that was killed while it wrote
+    std::vector<fs::path> halves; // of a run that was killed while it wrote
+    for (const auto& entry : fs::directory_iterator(folder_)) {
         const std::string name = entry.path().filename().string();
-        if (name.starts_with(prefix) && name.ends_with(".part")) fs::remove_all(entry.path());
+        if (entry.is_directory() && name.ends_with(half) && is_checkpoint_name(name.substr(0, name.size() - half.size()))) halves.push_back(entry.path());
     }
+    for (const fs::path& path : halves) fs::remove_all(path);
 }
 
 fs::path Checkpoints::write(Simulation& simulation) {
     if (const auto fault = first_not_finite(numbers_of(simulation))) // the one before stays: a good one
         fail(ExitCode::failed, fmt::format("no checkpoint of step {}: row {} of {}: its {}", simulation.steps_done(), fault->row, fault->column, fault->words()), "restart from the last checkpoint");
     const fs::path target = folder_ / fmt::format("{}{:09}", prefix, simulation.steps_done());
-    const fs::path part = target.string() + ".part";
+    const fs::path part = target.string() + half;
     try {
         write_part(simulation, part);
     } catch (...) { // a half takes the room that may be lacking, and is of no use; the checkpoint before it stays

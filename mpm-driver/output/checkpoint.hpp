@@ -8,6 +8,9 @@
 
 namespace talik::driver {
 
+// "checkpoint-000001200": folders of other names are the user's, and are not touched.
+bool is_checkpoint_name(const std::string& name);
+
 class Checkpoints {
 public:
     // keep: how many of the newest stay.

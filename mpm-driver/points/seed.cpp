@@ -1,6 +1,7 @@
 #include "mpm-driver/points/seed.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "common/base/error.hpp"
 
@@ -44,6 +45,26 @@ bool contains(const BodySpec& body, const Vector& x) {
     return inside;
 }
 
+// Shows visit(x) the centres of the body's points within the box from low to high, row by row, until it returns false.
+template <class Visit>
+void visit_centres(const BodySpec& body, const Vector& origin, double cell, const Vector& low, const Vector& high, Visit&& visit) {
+    const double spacing = 2.0 * point_half_size(body, cell);
+    const Vector anchor = is_box(body) ? lower_corner(body) : origin;
+    const Vector first = ((low - anchor) / spacing).array().floor(), last = ((high - anchor) / spacing).array().ceil();
+    for (int j = static_cast<int>(first[1]); j < static_cast<int>(last[1]); ++j)
+        for (int i = static_cast<int>(first[0]); i < static_cast<int>(last[0]); ++i) {
+            const Vector x = anchor + spacing * Vector(i + 0.5, j + 0.5);
+            if (contains(body, x) && !visit(x)) return;
+        }
+}
+
+// Further inside than the rounding of corners and centres.
+bool contains_well(const BodySpec& body, const Vector& x, double margin) {
+    for (const Vector& shift : {Vector(margin, 0.0), Vector(-margin, 0.0), Vector(0.0, margin), Vector(0.0, -margin)})
+        if (!contains(body, x + shift)) return false;
+    return true;
+}
+
 void append_point(Points& points, const BodySpec& body, int body_index, const Vector& x, double volume) {
     const std::size_t p = points.count();
     points.resize(p + 1);
@@ -67,21 +88,41 @@ Points seed_points(const std::vector<BodySpec>& bodies, const Grid& grid, bool m
         require(body.density && *body.density > 0.0, "body '" + body.name + "' has no density", "give its bulk density");
         const double spacing = 2.0 * point_half_size(body, grid.cell());
         const double volume = spacing * spacing * grid.thickness(); // m^3
-        const Vector low = lower_corner(body), high = upper_corner(body);
-        const Vector anchor = is_box(body) ? low : grid.domain_min();
-        const Vector first = ((low - anchor) / spacing).array().floor(), last = ((high - anchor) / spacing).array().ceil();
         const std::size_t before = points.count();
-        for (int j = static_cast<int>(first[1]); j < static_cast<int>(last[1]); ++j)
-            for (int i = static_cast<int>(first[0]); i < static_cast<int>(last[0]); ++i) {
-                const Vector x = anchor + spacing * Vector(i + 0.5, j + 0.5);
-                if (contains(body, x)) append_point(points, body, static_cast<int>(b), x, volume);
-            }
+        visit_centres(body, grid.domain_min(), grid.cell(), lower_corner(body), upper_corner(body), [&](const Vector& x) {
+            append_point(points, body, static_cast<int>(b), x, volume);
+            return true;
+        });
         require(points.count() > before, "body '" + body.name + "' holds no point", "use a smaller cell or a larger body");
     }
     for (std::size_t p = 0; p < points.count(); ++p)
         require(grid.inside_domain(points.position[p]),
                 "a point of body '" + bodies[points.body[p]].name + "' lies outside the domain", "enlarge the domain");
     return points;
+}
+
+bool holds_a_point(const BodySpec& body, const DomainSpec& domain) {
+    bool any = false;
+    visit_centres(body, domain.origin, domain.cell, lower_corner(body), upper_corner(body), [&](const Vector&) { return !(any = true); });
+    return any;
+}
+
+double area_of_points(const BodySpec& body, const DomainSpec& domain) {
+    const double spacing = 2.0 * point_half_size(body, domain.cell);
+    double count = 0.0;
+    visit_centres(body, domain.origin, domain.cell, lower_corner(body), upper_corner(body), [&](const Vector&) { return (count += 1.0) > 0.0; });
+    return count * spacing * spacing;
+}
+
+bool overlap(const BodySpec& a, const BodySpec& b, const DomainSpec& domain) {
+    const double margin = 1e-6 * domain.cell; // rounding of the input
+    const Vector low = lower_corner(a).cwiseMax(lower_corner(b)), high = upper_corner(a).cwiseMin(upper_corner(b));
+    if (((high - low).array() <= margin).any()) return false;
+    if (is_box(a) && is_box(b)) return true;
+    bool any = false;
+    for (const auto& [of, in] : {std::pair{&a, &b}, std::pair{&b, &a}})
+        visit_centres(*of, domain.origin, domain.cell, low, high, [&](const Vector& x) { return !(any = any || contains_well(*in, x, margin)); });
+    return any;
 }
 
 } // namespace talik::driver

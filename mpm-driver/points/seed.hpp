@@ -17,4 +17,10 @@ double point_half_size(const BodySpec& body, double cell);
 // mechanical: with the columns of mechanics.
 Points seed_points(const std::vector<BodySpec>& bodies, const Grid& grid, bool mechanical = true);
 
+// For the checks of a scene, without a grid: what seed_points will do with bodies that are sound by themselves.
+bool holds_a_point(const BodySpec& body, const DomainSpec& domain);
+double area_of_points(const BodySpec& body, const DomainSpec& domain); // m^2
+// Whether two bodies claim the same ground: boxes exactly, other polygons where a point of one lies inside the other.
+bool overlap(const BodySpec& a, const BodySpec& b, const DomainSpec& domain);
+
 } // namespace talik::driver

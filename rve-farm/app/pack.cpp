@@ -36,8 +36,8 @@ void check_output(const std::string& file) {
     const char* mend = "give -o the name of an HDF5 file in a folder you may write to";
     const auto refuse = [&](const std::string& why) { throw Error(ExitCode::bad_input, file, why, mend); };
     const fs::path folder = fs::path(file).has_parent_path() ? fs::path(file).parent_path() : fs::path(".");
-    if (fs::is_directory(file)) refuse("is a folder");
     if (!fs::is_directory(folder)) refuse("its folder does not exist");
+    check_place_of_packings(file);
     if (::access(folder.c_str(), W_OK | X_OK) != 0 || (fs::exists(file) && ::access(file.c_str(), W_OK) != 0)) refuse(std::string("cannot be written: ") + std::strerror(errno));
 }
 

@@ -110,7 +110,9 @@ std::vector<ElementCurve> run_element_test(const ElementTest& test, const RvePar
     std::vector<ElementCurve> curves(packings.size());
     bench.record(curves, 0, 0.0);
     // Whole steps that end at the strain asked for; rows are evenly spaced.
-    const long steps = std::max<long>(1, std::lround(std::ceil(test.strain / (test.rate * test.step) * (1.0 - 1e-9))));
+    const double count = std::ceil(test.strain / (test.rate * test.step) * (1.0 - 1e-9));
+    require(count <= 1e9, fmt::format("the strain of {:g} takes {:.3g} macro steps, more than 1e9", test.strain, count), "give a larger test.step or a higher test.rate");
+    const long steps = std::max<long>(1, std::lround(count));
     const double increment = test.strain / (test.rate * static_cast<double>(steps));
     for (long k = 1; k <= steps; ++k) {
         bench.step(increment);

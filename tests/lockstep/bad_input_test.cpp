@@ -4,6 +4,7 @@
 #include "tests/support/text.hpp"
 
 #include <csignal>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -73,7 +74,11 @@ TEST_CASE("`check` names every fault of a scene at once, a line each", "[lockste
 
 TEST_CASE("A call that cannot be meant is one line and exit code 2", "[lockstep][fault]") {
     TemporaryFolder folder;
-    const std::string scene = write_tiny_scene(folder).string(), output = (folder / "out").string();
+    const std::string scene = write_tiny_scene(folder).string(), output = (folder / "out").string(), pipe = (folder / "pipe").string(), barred = (folder / "barred").string();
+    const std::string alone = (folder / "alone.toml").string(); // no RVEs
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    fs::create_directories(fs::path(barred) / "fields.h5");
+    std::ofstream(alone) << "[domain]\nsize = [1, 1]\ncell = 0.25\n[[body]]\nname = \"b\"\nbox = [[0, 0], [1, 0.5]]\nlaw = \"elastic\"\ndensity = 2000\n[elastic]\nyoung = 1e6\npoisson = 0.3\n[[stage]]\nname = \"s\"\nduration = 0.02\n";
     struct Call {
         std::vector<std::string> arguments;
         std::string says;
@@ -91,6 +96,11 @@ TEST_CASE("A call that cannot be meant is one line and exit code 2", "[lockstep]
         {{"mpm-driver", "run", scene, "--output", output, "--threads", "-1"}, "--threads: must be a whole number from 0"},
         {{"rve-farm", "pack", scene, "-o", folder.path().string()}, "is a folder"},
         {{"rve-farm", "pack", scene, "-o", (folder / "none/packing.h5").string()}, "its folder does not exist"},
+        {{"mpm-driver", "check", "/dev/null"}, "is no regular file but a pipe or a device"},
+        {{"mpm-driver", "run", pipe, "--output", output}, "is no regular file but a pipe or a device"},
+        {{"mpm-driver", "run", alone, "--output", output, "--exchange", "shm:" + unique_exchange_name()}, "has no RVEs for a farm to answer"},
+        {{"mpm-driver", "run", alone, "--output", barred}, "fields.h5: is no regular file, but the run writes a file there"},
+        {{"mpm-driver", "run", scene, "--output", output, "--set", "rve.time_step=1e-13"}, "too many DEM sub-steps"},
         {{"rve-farm", "serve", "--exchange", "pigeon:post"}, "no such transport"},
         {{"rve-farm", "serve", "--exchange", "shm:" + unique_exchange_name(), "--backend", "abacus"}, "--backend"},
     };
@@ -119,6 +129,71 @@ TEST_CASE("An output folder that may not be written to is named before anything 
     CHECK(run.end.code == 2);
     CHECK_CONTAINS(run.text, "cannot be written: Permission denied");
     CHECK_FALSE(fs::exists(cache / "packings"));
+}
+
+TEST_CASE("What is written replaces nothing but a file of its own kind", "[lockstep][fault]") {
+    TemporaryFolder folder;
+    const std::string scene = write_tiny_scene(folder).string(), output = (folder / "out").string(), pipe = (folder / "pipe").string(), packing = (folder / "packing.h5").string();
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    std::ofstream(packing) << "thesis";
+    const std::string kept = content(scene);
+    struct Call {
+        std::vector<std::string> arguments;
+        std::string says;
+    };
+    const std::vector<std::string> run = {"mpm-driver", "run", scene, "--output", output, "--quiet", "--record"};
+    const auto recording = [&](const std::string& file) { auto call = run; call.push_back(file); return call; };
+    const std::vector<Call> calls = {
+        {recording(scene), "is there already, and is no file of the format \"talik-record 1\""},
+        {recording(pipe), "is no regular file"},
+        {recording(output + "/history.csv"), "the run writes that file itself"},
+        {recording(output + "/checkpoint-000000001.part/x"), "the run writes that file itself"},
+        {{"rve-farm", "pack", scene, "-o", scene}, "is there already, and is no file of the format \"talik-packing 1\""},
+        {{"rve-farm", "pack", scene, "-o", packing}, "is there already"},
+        {{"rve-farm", "pack", scene, "-o", pipe}, "is no regular file"},
+    };
+    for (const Call& call : calls) {
+        const Finished end = run_to_end(call.arguments, folder / "cache");
+        CAPTURE(call.says, end.text);
+        CHECK(end.end.code == 2);
+        CHECK(end.errors.size() == 1);
+        CHECK_CONTAINS(end.text, call.says);
+    }
+    CHECK(content(scene) == kept);
+    CHECK(content(packing) == "thesis");
+    CHECK_FALSE(fs::exists(folder / "cache/packings"));
+    CHECK_FALSE(fs::exists(folder / "out/history.csv"));
+}
+
+TEST_CASE("A run removes checkpoints of its own making only: folders that a user keeps beside them stay", "[lockstep][fault]") {
+    TemporaryFolder folder;
+    const fs::path output = folder / "out";
+    for (const char* name : {"checkpoint-000000001.bak", "checkpoint-thesis.part", "checkpoint-", "checkpoint-000000007.part", "checkpoint-000000001"}) fs::create_directories(output / name);
+    REQUIRE(run_to_end({"mpm-driver", "run", write_tiny_scene(folder).string(), "--output", output.string(), "--quiet"}, folder / "cache").end.code == 0);
+    for (const char* name : {"checkpoint-000000001.bak", "checkpoint-thesis.part", "checkpoint-"}) CHECK(fs::exists(output / name));
+    for (const char* name : {"checkpoint-000000007.part", "checkpoint-000000001"}) CHECK_FALSE(fs::exists(output / name));
+}
+
+TEST_CASE("A run that is refused leaves the run before it in that folder as it was", "[lockstep][fault]") {
+    TemporaryFolder folder;
+    const fs::path output = folder / "out";
+    const std::vector<std::string> call = {"mpm-driver", "run", write_tiny_scene(folder).string(), "--output", output.string(), "--quiet"};
+    REQUIRE(run_to_end(call, folder / "cache").end.code == 0);
+    const auto all = [&] {
+        std::string text;
+        for (const char* name : {"history.csv", "summary.json", "fields.h5", "fields.pvd"}) text += content(output / name);
+        for (const fs::path& checkpoint : checkpoints(output)) text += checkpoint.string() + content(checkpoint / "driver.h5");
+        return text;
+    };
+    const std::string before = all();
+    for (const char* set : {"step.fixed=1", "stage.0.grid_damping=1e6", "rve.time_step=1", "rve.time_step=1e-300"}) {
+        auto refused = call;
+        refused.insert(refused.end(), {"--set", set});
+        const Finished end = run_to_end(refused, folder / "cache");
+        CAPTURE(set, end.text);
+        CHECK(end.end.code == 2);
+        CHECK(all() == before);
+    }
 }
 
 TEST_CASE("Two runs do not share an output folder: the second is refused, the first goes on", "[lockstep][fault]") {
