@@ -108,7 +108,6 @@ Packing read_packing(const Hdf5File& file, const std::string& group) {
 void check_place_of_packings(const std::string& file) { require_replaceable(file, format, "give -o another name"); }
 
 void write_packings(const std::string& file, const std::string& program, const std::vector<Packing>& packings, const std::string& specification) {
-    check_place_of_packings(file);
     const std::string temporary = file + ".part";
     std::error_code why;
     try {

@@ -64,6 +64,17 @@ std::vector<std::string> steps_of(const std::string& key) {
     }
 }
 
+// As TOML's parser sees it, which takes any text in a comment.
+bool is_utf8(std::string text) {
+    std::replace_if(text.begin(), text.end(), [](char c) { return (c >= 0 && c < 32) || c == 127; }, ' ');
+    try {
+        static_cast<void>(toml::parse("# " + text));
+        return true;
+    } catch (const toml::parse_error&) {
+        return false;
+    }
+}
+
 Value value_of_override(const std::string& text) {
     try {
         return converted(*toml::parse("value = " + text, std::string("--set")).get("value"), "--set");
@@ -139,6 +150,7 @@ void apply_override(Value& document, const std::string& key_equals_value) {
     const auto equals = key_equals_value.find('=');
     require(equals != std::string::npos && equals > 0, "--set " + key_equals_value + ": there is no \"=\"", "write --set key=value");
     const std::string key = key_equals_value.substr(0, equals);
+    if (!is_utf8(key_equals_value)) throw Error(ExitCode::bad_input, "--set: " + key, "is no text in UTF-8", "write it in UTF-8, as TOML files are");
     Value* place = &document;
     for (const auto& step : steps_of(key)) place = &place_of(*place, step, key);
     *place = value_of_override(key_equals_value.substr(equals + 1));

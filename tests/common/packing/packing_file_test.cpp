@@ -1,7 +1,10 @@
 #include "common/packing/packing_file.hpp"
 
+#include <filesystem>
+
 #include "common/base/error.hpp"
 #include "common/io/hdf5_file.hpp"
+#include "common/io/text_file.hpp"
 #include "common/packing/packing_csv.hpp"
 #include "tests/support/text.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -73,4 +76,30 @@ TEST_CASE("a packing file that is missing, of another kind or inconsistent is na
     p.contacts.push_back({0, 3, {0, 0}, 0.0, false});
     write_packings(path, "test", {p});
     CHECK_CONTAINS(problem_of_reading(path), "a contact names a disc that is not there");
+}
+
+TEST_CASE("packings replace a packing file, damaged or not, and nothing else") {
+    const auto problem = [](const std::string& file) {
+        try {
+            check_place_of_packings(file);
+        } catch (const Error& e) {
+            return std::string(e.what());
+        }
+        return std::string();
+    };
+    Packing p = read_packing_csv(TALIK_SOURCE_DIR "/tests/reference/yade/packing_loose_particles.csv");
+    const std::string file = test_file("replaced.h5");
+    CHECK(problem(file) == "");
+    write_packings(file, "test", {p});
+    CHECK(problem(file) == "");
+    std::filesystem::resize_file(file, 1000);
+    CHECK(problem(file) == "");
+    std::filesystem::resize_file(file, 0);
+    CHECK(problem(file) == "");
+    write_file_atomically(file, "a thesis");
+    CHECK_CONTAINS(problem(file), "is there already, and is no file of the format");
+    Hdf5File::create(file, "test", "talik-fields 1").close();
+    CHECK_CONTAINS(problem(file), "is there already, and has the format \"talik-fields 1\"");
+    CHECK_CONTAINS(problem("/dev/null"), "is no regular file");
+    CHECK_CONTAINS(problem(std::filesystem::path(file).parent_path().string()), "is a folder");
 }

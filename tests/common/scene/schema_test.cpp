@@ -181,6 +181,8 @@ TEST_CASE("overrides reach into tables and lists, make absent tables, and are na
     CHECK_CONTAINS(faults_of(walls, {"bnod.strength=3"}), "--set: bnod: is no key of this file (did you mean \"bond\"?)");
     CHECK_CONTAINS(error_of([&] { faults_of(walls, {"wall.1.friction=3"}); }), "--set: wall.1.friction: there is no place \"1\" in a list of 1");
     CHECK_CONTAINS(error_of([&] { faults_of(walls, {"pressure"}); }), "there is no \"=\"");
+    CHECK_CONTAINS(error_of([&] { faults_of(walls, {"title=\xff"}); }), "--set: title: is no text in UTF-8");
+    CHECK(faults_of(walls, {"title=B\xc3\xb6schung\nof 1\t%"}) == "");
 }
 
 TEST_CASE("the dump is itself a document of the same content, and does not see comments, order or units") {

@@ -73,6 +73,18 @@ TEST_CASE("what is wrong with heat in a scene is said with its line, its key and
                    "body.0.law: \"none\" is given beside bodies with a law");
 }
 
+TEST_CASE("the hash of a scene sees what the files hold that it names") {
+    const std::string table = test_file("surface.csv"), path = test_file("heat_hash_test.toml"), value = "value = 5";
+    write_file_atomically(path, std::string(sound).replace(sound.find(value), value.size(), "file = \"surface.csv\""));
+    const auto hash_with = [&](const std::string& last) {
+        write_file_atomically(table, "time_s,value\n0,5\n" + last);
+        return read_scene(path).hash;
+    };
+    const std::string first = hash_with("86400,7\n");
+    CHECK(hash_with("86400,8\n") != first);
+    CHECK(hash_with("86400,7\n") == first);
+}
+
 TEST_CASE("bodies of a mixture have its density where the scene gives none") {
     REQUIRE(faults_of(sound) == ""); // which writes the file
     CHECK(*read_scene(heat_text.path).bodies[0].density == Approx(0.57 * 2650 + 430));

@@ -5,6 +5,7 @@
 
 #include "common/base/error.hpp"
 #include "common/io/text_file.hpp"
+#include "mpm-driver/app/scene_tables.hpp"
 #include "tests/support/text.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -141,6 +142,27 @@ TEST_CASE("rules across tables name the key, and only where they are broken") {
     CHECK(faults_of(replaced(sound, "duration = \"1 s\"", "duration = \"1 s\"\ngrid_damping = 9e3"), {"step.fixed=1e-4"}) == ""); // alpha dt = 0.9
     CHECK_CONTAINS(faults_of(""), "body: is missing (add at least one [[body]]");
     CHECK_CONTAINS(faults_of("[domain\n"), "scene_test.toml:1: ");
+}
+
+TEST_CASE("a body without a point and two bodies on the same ground are named with their line; neighbours are not") {
+    const auto with = [](const std::string& body) { return faults_of(replaced(sound, "[[wall]]", "[[body]]\nname = \"other\"\nlaw = \"elastic\"\ndensity = 2000\n" + body + "\n[[wall]]")); };
+    CHECK_CONTAINS(with("box = [[0, 0], [0.02, 1]]"), "scene_test.toml:17: body.1.box: holds no point: points stand 0.05 m apart");
+    CHECK_CONTAINS(with("box = [[0.79, 0], [1, 1]]"), "scene_test.toml:17: body.1.box: overlaps body.0 \"block\": the same ground would be there twice");
+    CHECK_CONTAINS(with("polygon = [[0.5, 0.5], [1, 0.5], [1, 1]]"), "body.1.polygon: overlaps body.0 \"block\"");
+    CHECK(with("box = [[0.8, 0], [1, 1]]") == "");
+    CHECK(with("polygon = [[0.8, 0], [1, 0], [1, 1], [0.8, 1]]") == "");
+    CHECK(with("polygon = [[0.8, 0], [1, 0], [0.8, 1]]") == "");
+}
+
+TEST_CASE("a body whose points stand for less ground than its outline is warned of, from one percent on") {
+    const auto warnings = [](const std::string& corner) {
+        write_file_atomically(path, replaced(sound, "[\"0.8 m\", \"1 m\"]", corner));
+        return seeding_warnings(read_scene(path));
+    };
+    CHECK(warnings("[0.8, 1]").empty());
+    CHECK(warnings("[0.8, 0.999]").empty());
+    REQUIRE(warnings("[0.47, 1]").size() == 1);
+    CHECK_CONTAINS(warnings("[0.47, 1]")[0], "body \"block\": its outline encloses 0.27 m2, its points stand for 0.25 m2 (-7.4 %)");
 }
 
 TEST_CASE("a missing packing is a fault of the scene, named with its line") {
