@@ -71,6 +71,7 @@ TEST_CASE("a packing file that is missing, of another kind or inconsistent is na
     CHECK_CONTAINS(problem_of_reading("absent.h5"), "absent.h5: does not exist");
     Hdf5File::create(path, "test", "talik-fields 1").close();
     CHECK_CONTAINS(problem_of_reading(path), "has the format \"talik-fields 1\"");
+    std::filesystem::remove(path);
     Packing p;
     p.x = p.y = p.radius = {0.5};
     p.contacts.push_back({0, 3, {0, 0}, 0.0, false});
