@@ -163,3 +163,12 @@ TEST_CASE("a pressure that was not held is said, and curves that mean nothing ar
     row.answer.void_ratio = -0.1;
     CHECK_THROWS_AS(refuse_nonsense(test, ended_at(1.0)), Error);
 }
+
+TEST_CASE("a test of more macro steps, or a macro step of more DEM sub-steps, than can be counted is refused") {
+    ElementTest test;
+    test.path = "isotropic", test.strain = 1e-3, test.rate = 0.1, test.step = 1e-300;
+    CHECK_THROWS_WITH(run(test), Catch::Contains("more than 1e9"));
+    RveParameters parameters;
+    parameters.time_step = 1e-13, test.step = 1e-3;
+    CHECK_THROWS_WITH(run(test, parameters), Catch::Contains("too many DEM sub-steps"));
+}
