@@ -1,7 +1,6 @@
 #include "mpm-driver/points/seed.hpp"
 
 #include <cmath>
-#include <utility>
 
 #include "common/base/error.hpp"
 
@@ -120,8 +119,11 @@ bool overlap(const BodySpec& a, const BodySpec& b, const DomainSpec& domain) {
     if (((high - low).array() <= margin).any()) return false;
     if (is_box(a) && is_box(b)) return true;
     bool any = false;
-    for (const auto& [of, in] : {std::pair{&a, &b}, std::pair{&b, &a}})
-        visit_centres(*of, domain.origin, domain.cell, low, high, [&](const Vector& x) { return !(any = any || contains_well(*in, x, margin)); });
+    const auto look = [&](const BodySpec& of, const BodySpec& in) {
+        visit_centres(of, domain.origin, domain.cell, low, high, [&](const Vector& x) { return !(any = any || contains_well(in, x, margin)); });
+    };
+    look(a, b);
+    look(b, a);
     return any;
 }
 
