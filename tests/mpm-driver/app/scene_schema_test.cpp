@@ -144,7 +144,7 @@ TEST_CASE("rules across tables name the key, and only where they are broken") {
     CHECK_CONTAINS(faults_of("[domain\n"), "scene_test.toml:1: ");
 }
 
-TEST_CASE("a body without a point and two bodies on the same ground are named with their line; neighbours are not") {
+TEST_CASE("a body without a point and two bodies on the same ground are named with their line, neighbours are not") {
     const auto with = [](const std::string& body) { return faults_of(replaced(sound, "[[wall]]", "[[body]]\nname = \"other\"\nlaw = \"elastic\"\ndensity = 2000\n" + body + "\n[[wall]]")); };
     CHECK_CONTAINS(with("box = [[0, 0], [0.02, 1]]"), "scene_test.toml:17: body.1.box: holds no point: points stand 0.05 m apart");
     CHECK_CONTAINS(with("box = [[0.79, 0], [1, 1]]"), "scene_test.toml:17: body.1.box: overlaps body.0 \"block\": the same ground would be there twice");
