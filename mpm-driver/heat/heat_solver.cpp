@@ -252,7 +252,8 @@ void HeatSolver::nodal_power(const Supports& supports, double begin, double end)
 // d H_I / dt = Q_I / W_I, Eq. (29); of held nodes the mean of their free neighbours', else the ground at a wall would keep
 // its ice and the front lag behind; but never beyond what lies between the held temperature and the neighbours' state, else
 // ground that is frozen already would freeze once more with its neighbour, and dry rock take the latent heat of wet ground. What
-// lies within a heater has its temperature. The wall gives what that takes.
+// lies within a heater has its temperature, where points rest (mapped anew from moving ones it would be heated in every step). The
+// wall gives what that takes.
 void HeatSolver::rates(const Grid& grid, double dt) {
     const std::vector<double>& weight = enthalpy_form_ ? volume_ : enthalpy_; // m^3, or J/K
     const int right = grid.stride(0), up = grid.stride(1);
@@ -277,7 +278,7 @@ void HeatSolver::rates(const Grid& grid, double dt) {
     for (const HeldNodes::Held& held : held_.held()) { // a second row, just outside the surface or within a heater
         const auto node = static_cast<std::size_t>(held.node);
         if (!std::isnan(rate_[node])) continue;
-        double rate = held_.is_heater(held.entry) ? std::numeric_limits<double>::quiet_NaN() : rate_of_neighbours(held.node, right, up, dt, true);
+        double rate = held_.is_heater(held.entry) && excess_.empty() ? std::numeric_limits<double>::quiet_NaN() : rate_of_neighbours(held.node, right, up, dt, true);
         if (std::isnan(rate)) rate = (held_value(node) - value_of(node)) / dt;
         later_.push_back({held, rate}); // all of the second row see the first alone
     }
