@@ -311,7 +311,8 @@ void HeatSolver::find_small_nodes(const Grid& grid) {
 }
 
 // Mean rate of the four neighbours, or else of the diagonal ones: those that are free, or (held) held ones that have a rate. What lies
-// beyond the range between the held temperature and the neighbours' states at the end of the step is brought back to it.
+// beyond the range between the held temperature and the neighbours' states at the end of the step is brought back to it; at heaters,
+// through which ground may move, it goes no further.
 double HeatSolver::rate_of_neighbours(int node, int right, int up, double dt, bool held) const {
     const auto here = static_cast<std::size_t>(node);
     double sum = 0.0, least = held_value(here), most = least;
@@ -329,6 +330,7 @@ double HeatSolver::rate_of_neighbours(int node, int right, int up, double dt, bo
         for (int offset : {-right - up, right - up, -right + up, right + up}) look(offset);
     if (count == 0) return std::numeric_limits<double>::quiet_NaN();
     const double now = value_of(here), next = now + dt * sum / count;
+    if (held_.is_heater(held_.entry_of(here))) least = std::min(least, now), most = std::max(most, now);
     return next >= least && next <= most ? sum / count : (std::clamp(next, least, most) - now) / dt;
 }
 

@@ -27,6 +27,7 @@ public:
     const std::vector<Held>& held() const { return held_; }
     const std::vector<Flux>& fluxes() const { return fluxes_; }
     bool is_held(std::size_t node) const { return mark_[node] >= 0; }
+    int entry_of(std::size_t held_node) const { return mark_[held_node]; }
     bool is_heater(int entry) const { return entry >= static_cast<int>(sides_.size()); }
     const std::vector<std::string>& names() const { return names_; }
     const TimeValue& value(int entry) const { return values_[static_cast<std::size_t>(entry)]; }
