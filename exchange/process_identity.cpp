@@ -108,7 +108,9 @@ bool ProcessWatch::alive() const {
     if (died_before_) return false;
     if (pidfd_ >= 0) {
         pollfd ended{pidfd_, POLLIN, 0};
-        return poll(&ended, 1, 0) == 0; // readable once the process has ended, reaped or not
+        // Readable once the process has ended, reaped or not. A signal to this side (Ctrl-C) that comes during the look
+        // makes poll() return -1, which says nothing about the other: only "readable" is an end.
+        return poll(&ended, 1, 0) <= 0;
     }
     if (in_this_pid_namespace(process_)) return process_exists(process_);
     return byte_is_held(file_, byte_);

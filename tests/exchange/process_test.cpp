@@ -4,7 +4,9 @@
 #include "tests/exchange/support.hpp"
 #include "tests/support/catch.hpp"
 
+#include <atomic>
 #include <csignal>
+#include <pthread.h>
 #include <thread>
 
 using namespace talik;
@@ -110,4 +112,20 @@ TEST_CASE("A process is told from a later one with its number, and a zombie from
     CHECK_FALSE(watch.alive());
     CHECK_FALSE(process_exists(other));
     waitpid(pid, nullptr, 0);
+}
+
+TEST_CASE("A signal that comes while the partner is looked at does not make it dead", "[exchange][process]") {
+    const auto before = std::signal(SIGUSR1, [](int) {});
+    const ProcessWatch watch(this_process(), -1, 0);
+    const pthread_t looker = pthread_self();
+    std::atomic<bool> stop{false};
+    std::thread signals([&] {
+        while (!stop) pthread_kill(looker, SIGUSR1);
+    });
+    int deaths = 0;
+    for (int look = 0; look < 20'000; ++look) deaths += !watch.alive(); // some thousand of them are cut short
+    stop = true;
+    signals.join();
+    std::signal(SIGUSR1, before);
+    CHECK(deaths == 0);
 }
