@@ -41,7 +41,7 @@ double thawed_length(const Simulation& s, double width) { return s.heat()->water
 
 } // namespace
 
-TEST_CASE("a sharp front thaws ground as Neumann's exact solution says, for both Stefan numbers, with 100 cells", "[eq50][eq43]") {
+TEST_CASE("a sharp front thaws ground as Neumann's exact solution says, for both Stefan numbers, with 100 cells", "[eq50][eq43][many-steps]") {
     for (const double ste : {0.1, 1.0}) {
         Scene scene = heat_scene(unit_material(ste), {2.0, 0.02}, 0.02, 0.0);
         scene.bodies[0].frozen = true;
@@ -71,7 +71,7 @@ TEST_CASE("the quasi-steady front of Eq. (50) is the limit of small Stefan numbe
     CHECK(thawed_length(*simulation, 0.05) == Approx(std::sqrt(2.0 * 0.1 * 5.0)).epsilon(0.004));
 }
 
-TEST_CASE("water and soil freeze from a cold wall as the two-phase solution of Neumann says", "[eq10][eq20][eq29]") {
+TEST_CASE("water and soil freeze from a cold wall as the two-phase solution of Neumann says", "[eq10][eq20][eq29][many-steps]") {
     ThermalMaterialSpec water = soil_material();
     water.porosity = 1.0;
     for (const ThermalMaterialSpec& spec : {water, soil_material()}) {

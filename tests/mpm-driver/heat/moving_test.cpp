@@ -45,7 +45,7 @@ std::unique_ptr<Simulation> carried_core(const Vector& velocity, double duration
 
 } // namespace
 
-TEST_CASE("ground that is carried across cells keeps its energy and makes neither heat nor cold", "[heat][moving]") {
+TEST_CASE("ground that is carried across cells keeps its energy and makes neither heat nor cold", "[heat][moving][many-steps]") {
     const double duration = 1.2e6; // s: the core thaws after about half of it
     auto rest = carried_core({0, 0}, duration);
     const double span = 10.0; // K

@@ -7,7 +7,7 @@ using namespace talik;
 using namespace talik::driver;
 using namespace talik::driver::tests;
 
-TEST_CASE("an elastic column settles under its weight and then stays for 1e5 steps without creeping", "[eq22][eq23][eq30]") {
+TEST_CASE("an elastic column settles under its weight and then stays for 1e5 steps without creeping", "[eq22][eq23][eq30][many-steps]") {
     Scene scene = elastic_scene(box({0.0, 0.0}, {0.2, 0.8}), {-0.1, -0.1}, {0.4, 1.1});
     scene.walls = {wall("left", 0.0), wall("right", 0.2), wall("bottom", 0.0)};
     scene.step.fixed = 5e-4;

@@ -146,7 +146,7 @@ TEST_CASE("the critical step of the reference packing is that of its contact net
     CHECK(bound == Approx(3.1e-5).epsilon(0.1)); // a bound depends on how rows are scaled: of that size
 }
 
-TEST_CASE("small-strain moduli are YADE's within 2 %", "[yade]") {
+TEST_CASE("small-strain moduli are YADE's within 2 %", "[yade][many-steps]") {
     struct Probed {
         Farm farm;
         std::vector<std::byte> at_rest;
@@ -209,7 +209,7 @@ TEST_CASE("the biaxial response of the loose packing is YADE's within 1.5 % to 1
     with_every_kernel([](const FarmOptions& options) { compare_biaxial("loose", options); });
 }
 
-TEST_CASE("the bonded biaxial response is YADE's within 1.5 % up to the first broken bonds", "[yade][eq6][eq7]") {
+TEST_CASE("the bonded biaxial response is YADE's within 1.5 % up to the first broken bonds", "[yade][eq6][eq7][many-steps]") {
     with_every_kernel([&](const FarmOptions& options) {
         RveParameters parameters;
         parameters.bond = BondParameters{}; // 10 MPa, beta = 1
