@@ -25,6 +25,11 @@ TEST_CASE("a GPU gives the stress of the plain kernel for small RVEs, under comp
     block_suite::check_against_plain(one(), {31, 64});
 }
 
+TEST_CASE("slow shear of a settled assembly: a GPU is within 1e-12 of the pressure of the plain kernel in double, 1e-6 in single", "[gpu][eq49]") {
+    CHECK(block_suite::largest_difference_of_slow_shear(one(), Precision::double_) < 1e-12);
+    CHECK(block_suite::largest_difference_of_slow_shear(one(), Precision::single_) < 1e-6);
+}
+
 TEST_CASE("a GPU gives the same bits every time", "[gpu]") {
     for (Precision precision : {Precision::single_, Precision::double_}) {
         const auto expected = block_suite::state_after(one(), precision);

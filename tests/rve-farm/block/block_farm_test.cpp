@@ -34,6 +34,11 @@ TEST_CASE("a block in scrambled order gives the stress of the plain kernel, at e
     block_suite::check_against_plain({emulated(7)}, {1, 31, 33, 127, 400});
 }
 
+TEST_CASE("slow shear of a settled assembly: a block is within 1e-12 of the pressure of the plain kernel in double, 1e-6 in single", "[block][kernel][eq49]") {
+    CHECK(block_suite::largest_difference_of_slow_shear({emulated()}, Precision::double_) < 1e-12);
+    CHECK(block_suite::largest_difference_of_slow_shear({emulated()}, Precision::single_) < 1e-6);
+}
+
 TEST_CASE("no bit depends on the order of blocks and threads, nor on the number of devices", "[block][team]") {
     for (Precision precision : {Precision::single_, Precision::double_}) {
         const auto expected = block_suite::state_after({emulated(1)}, precision);

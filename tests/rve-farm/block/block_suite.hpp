@@ -90,6 +90,26 @@ inline void check_against_plain(const Devices& devices, const std::vector<int>& 
                 }
 }
 
+// A settled assembly, sheared as slowly as in a simulation (ten macro steps of 100 sub-steps, 1e-6 of strain each): here few contacts
+// open or slide, and nothing multiplies the rounding of the sums. Returns the largest difference of a macro step from the same state, as a
+// part of the pressure.
+inline double largest_difference_of_slow_shear(const Devices& devices, Precision precision) {
+    const std::vector<Packing> packing = {samples::disordered(400)};
+    const RveParameters p = parameters(false, false, 0.7);
+    Farm plain = farm_on({}, p, packing, Precision::double_), farm = farm_on(devices, p, packing, precision);
+    const auto at_rest = samples::mean_pressure(step_all(plain, 0, 0.2, 20000)[0]);
+    double largest = 0;
+    for (int k = 0; k < 10; ++k) {
+        std::vector<std::byte> state;
+        plain.save(0, state);
+        farm.load(0, state);
+        const Answer expected = step_all(plain, 0.005, 1e-3, 100)[0], answer = step_all(farm, 0.005, 1e-3, 100)[0];
+        REQUIRE(answer.status == Status::ok);
+        largest = std::max(largest, difference(answer, expected) / at_rest);
+    }
+    return largest;
+}
+
 // The state of some RVEs of three sizes after steps that spend several lists.
 inline std::vector<std::byte> state_after(const Devices& devices, Precision precision, int steps = 6) {
     std::vector<Packing> packings;
