@@ -24,6 +24,15 @@ namespace {
 using namespace talik;
 using namespace talik::driver;
 
+// "90", "20 d": a time above zero, as in a scene.
+CLI::Validator a_time() {
+    return CLI::Validator([](std::string& text) {
+        const scene::ReadQuantity time = scene::read_quantity(text, scene::Dimension::time);
+        if (!time.problem.empty()) return fmt::format("{} ({})", time.problem, time.remedy);
+        return time.value > 0.0 ? std::string() : "must be a time > 0, not \"" + text + "\"";
+    }, "TIME");
+}
+
 // Every fault of a scene, a line each.
 int check(const std::string& scene, const std::vector<std::string>& set) {
     const auto faults = check_scene(scene, set);
@@ -53,7 +62,7 @@ int main(int argc, char** argv) {
     int exit = 0;
 
     RunOptions options;
-    double until = 0.0;
+    std::string until;
     CLI::App* run_command = app.add_subcommand("run", "Runs a scene, with a farm of RVEs where it calls for one");
     run_command->footer("Examples:\n"
                         "  mpm-driver run scene.toml --set stage.0.duration=\"0.2 s\" --set rve.contact.friction=0.3\n"
@@ -71,7 +80,7 @@ int main(int argc, char** argv) {
     run_command->add_option("--replay", options.replay, "a recording answers instead of a farm, strictly: the run must be the recorded one")->check(not_empty());
     run_command->add_flag("--loose", options.loose, "with --replay: each RVE answers with what was recorded nearest to its deformation");
     run_command->add_option("--tolerance", options.tolerance, "with --replay: how far requests may be from the recorded ones, relative (1e-9)")->check(CLI::NonNegativeNumber);
-    auto* until_option = run_command->add_option("--until", until, "stop at this simulated time, s")->check(above_zero());
+    auto* until_option = run_command->add_option("--until", until, "stop at this simulated time: 90 (s), \"20 d\"")->check(a_time());
     run_command->add_option("--set", options.set, "KEY=VALUE: overrides a key of the scene (repeatable)");
     run_command->add_option("--threads", options.threads, "of the farm and of the driver; 0 = all")->check(thread_count());
     run_command->add_option("--backend", options.backend, "of the farm: auto, cpu or cuda")->check(CLI::IsMember({"auto", "cpu", "cuda"}));
@@ -79,7 +88,7 @@ int main(int argc, char** argv) {
     run_command->add_option("--attach-seconds", options.attach_seconds, "how long a farm is waited for to come to the exchange")->check(above_zero());
     run_command->add_flag("--quiet", options.quiet, "warnings and errors only");
     run_command->callback([&] {
-        if (until_option->count() > 0) options.until = until;
+        if (until_option->count() > 0) options.until = scene::read_quantity(until, scene::Dimension::time).value;
         log::start("mpm-driver", options.quiet);
         watch_interrupts();
         options.scene = find_case(options.scene);

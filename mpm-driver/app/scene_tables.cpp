@@ -143,7 +143,7 @@ Table<StageSpec> stage_table() {
 Table<StepSpec> step_table() {
     using S = StepSpec;
     Table<S> table("The time step.");
-    table.optional_quantity("fixed", &S::fixed, time, positive(), "refused where it is beyond the limit of Eq. (42)", "auto")
+    table.optional_quantity("fixed", &S::fixed, time, positive(), "the last step of a stage is cut to its end; refused where it is beyond the limit of Eq. (42)", "auto")
         .number("safety", &S::safety, {.least = 0.0, .most = 1.0, .above_least = true}, "fraction of the limit taken by \"auto\"");
     return table;
 }

@@ -97,8 +97,8 @@ std::string Simulation::describe_limits() const {
 }
 
 double Simulation::next_step() const {
-    if (scene_.step.fixed) return *scene_.step.fixed;
     const double remaining = clock_.stage_start + present_stage().duration - clock_.time;
+    if (scene_.step.fixed) return remaining < (1.0 - clock_rounding) * *scene_.step.fixed ? remaining : *scene_.step.fixed;
     const StepLimit limit = stable_step();
     const double step = mechanics() ? scene_.step.safety * std::min(limit.step, limit.surface_step) : heat_->limit(grid_, points_).automatic;
     return step > remaining * (1.0 - 1e-9) ? remaining : step;

@@ -40,7 +40,7 @@ public:
     Simulation& operator=(const Simulation&) = delete;
 
     bool finished() const { return stage() >= static_cast<int>(scene_.stages.size()); }
-    double next_step() const;          // s: the fixed one, or safety times the limit, cut at the end of a stage
+    double next_step() const;          // s: the fixed one, or safety times the limit; either is cut at the end of a stage
     StepLimit stable_step() const;     // Eq. (42), for the present state; without end where nothing moves
     std::string describe_limits() const;
     void step(double dt);              // refuses a dt beyond the limit
@@ -75,6 +75,8 @@ public:
     std::vector<StateColumn> state();
 
 private:
+    static constexpr double clock_rounding = 1e-4; // of a fixed step: what a clock of 1e6 steps may be off by; no step is cut for less
+
     struct Clock { // doubles only: it travels as a column of the state
         double time = 0.0, step = 0.0, stage = 0.0, stage_start = 0.0, internal_work_at_stage_start = 0.0;
         double gravity_x = 0.0, gravity_y = 0.0; // when the stage began, m/s^2: a ramp starts from it

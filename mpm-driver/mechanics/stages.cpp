@@ -65,7 +65,7 @@ bool Simulation::is_at_rest() {
 void Simulation::leave_stage_when_done() {
     const StageSpec& stage = present_stage();
     const double remaining = clock_.stage_start + stage.duration - clock_.time;
-    const double rounding = scene_.step.fixed ? 0.5 * *scene_.step.fixed : 1e-9 * stage.duration;
+    const double rounding = scene_.step.fixed ? clock_rounding * *scene_.step.fixed : 1e-9 * stage.duration;
     const bool at_rest = is_at_rest();
     if (remaining > rounding && !at_rest) return;
     if (stage.energy_ratio && !at_rest)

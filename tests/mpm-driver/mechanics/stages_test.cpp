@@ -43,6 +43,21 @@ TEST_CASE("gravity that grows over many periods keeps a column in equilibrium al
     CHECK(weight_on_base(*simulation) == Approx(weight).epsilon(0.02));
 }
 
+TEST_CASE("a stage of fixed steps ends on time: the last step is cut, and a whole number of steps stays whole", "[stage]") {
+    Scene scene = column();
+    scene.step.fixed = 2e-4;
+    scene.stages[0].duration = 0.0305; // 152.5 steps
+    scene.stages.push_back(scene.stages[0]);
+    scene.stages[1].duration = 0.03; // 150, though no multiple of the step is exact in binary
+    auto simulation = start(scene);
+    while (simulation->stage() == 0) take_steps(*simulation, 1);
+    CHECK(simulation->steps_done() == 153);
+    CHECK(simulation->time() == Approx(0.0305).epsilon(1e-12));
+    while (!simulation->finished()) take_steps(*simulation, 1);
+    CHECK(simulation->steps_done() == 303);
+    CHECK(simulation->time() == Approx(0.0605).epsilon(1e-12));
+}
+
 TEST_CASE("a ramp begins at the gravity the stage before has left", "[stage]") {
     Scene scene = column();
     scene.stages[0].particle_damping = 50.0;
