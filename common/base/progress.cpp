@@ -35,6 +35,8 @@ void Progress::update(double fraction, const std::string& note) {
 }
 
 std::string readable_duration(double seconds) {
+    constexpr double year = 365.25 * 86400;
+    if (!(seconds < 100 * year)) return "centuries"; // nor does infinity fit into a whole number
     const long s = static_cast<long>(seconds + 0.5);
     if (s >= 3600) return fmt::format("{} h {:02} min", s / 3600, s % 3600 / 60);
     if (s >= 60) return fmt::format("{} min {:02} s", s / 60, s % 60);

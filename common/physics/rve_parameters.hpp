@@ -20,6 +20,8 @@ struct BondParameters {
     // Bonds form anew at the contacts present once S_i, having been below the threshold, reaches it again.
     bool rebond_on_freezing = false;
     double rebond_ice_saturation = 0.5; // the threshold, -
+
+    double strength_at(double ice_saturation) const { return strength_factor * ice_saturation; } // beta_b = beta_a S_i (Eq. 8), -
 };
 
 struct RveParameters {

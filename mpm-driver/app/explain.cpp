@@ -97,8 +97,9 @@ void explain_steps(const Scene& scene, const Grid& grid, Points& points, const s
     if (!scene.rve) return;
     const RveParameters& p = scene.rve->parameters;
     const int substeps = substeps_of(p, step);
-    if (facts.stable_step > 0.0) row("DEM limit 2/omega_max", fmt::format("{:.3g} s, of the stiffest packing's contacts", facts.stable_step));
-    row("DEM sub-step", fmt::format("{:.3g} s: {} per mechanical step", step / substeps, substeps));
+    const double dem_limit = facts.stable_step / shortening_by_damping(p.damping), dem_step = step / substeps; // s
+    if (dem_limit > 0.0) row("DEM limit", fmt::format("{:.3g} s = 2/(omega_max sqrt(1 + alpha)), of the stiffest packing's contacts", dem_limit));
+    row("DEM sub-step", fmt::format("{:.3g} s: {} per mechanical step{}", dem_step, substeps, dem_limit > 0.0 && p.time_step > dem_limit ? "; rve.time_step IS BEYOND THE LIMIT, the run will be refused" : ""));
     const double work = static_cast<double>(facts.rves) * steps * substeps;
     // Compressed to this part in cases/thaw-slope and cases/biaxial; plus some 400 bytes per step of HDF5's own.
     constexpr double packed = 0.62;

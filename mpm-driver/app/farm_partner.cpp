@@ -87,6 +87,12 @@ void FarmPartner::state_cause(const std::string& cause) {
         if (farm.channel) farm.channel->state_cause(cause);
 }
 
+void FarmPartner::wait_for_their_end() {
+    constexpr double enough = 5.0; // s, for a program that has nothing left to do
+    for (Farm& farm : farms_)
+        if (farm.process) farm.process->wait(enough);
+}
+
 bool FarmPartner::wishes_to_end() const {
     return std::any_of(farms_.begin(), farms_.end(), [](const Farm& farm) { return farm.channel && farm.channel->partner_wishes_to_end(); });
 }

@@ -33,6 +33,7 @@ public:
 
     void state_cause(const std::string& cause);
     bool wishes_to_end() const; // any of them
+    void wait_for_their_end();  // after the farewell; of those launched here, for a bounded time
 
 private:
     struct Farm {

@@ -136,6 +136,7 @@ void SceneLaws::bye() {
     if (!farm_) return;
     farm_times_ = farm_->farm_times();
     farm_->bye();
+    partner_->wait_for_their_end(); // then their CPU time can be counted
 }
 
 } // namespace talik::driver

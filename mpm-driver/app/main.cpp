@@ -84,8 +84,8 @@ int main(int argc, char** argv) {
     run_command->add_option("--set", options.set, "KEY=VALUE: overrides a key of the scene (repeatable)");
     run_command->add_option("--threads", options.threads, "of the farm and of the driver; 0 = all")->check(thread_count());
     run_command->add_option("--backend", options.backend, "of the farm: auto, cpu or cuda")->check(CLI::IsMember({"auto", "cpu", "cuda"}));
-    run_command->add_option("--stall-seconds", options.stall_seconds, "how long a farm that does not move is waited for")->check(above_zero());
-    run_command->add_option("--attach-seconds", options.attach_seconds, "how long a farm is waited for to come to the exchange")->check(above_zero());
+    run_command->add_option("--stall-seconds", options.stall_seconds, "how long a farm that does not move is waited for")->check(above_zero())->capture_default_str();
+    run_command->add_option("--attach-seconds", options.attach_seconds, "how long a farm is waited for to come to the exchange")->check(above_zero())->capture_default_str();
     run_command->add_flag("--quiet", options.quiet, "warnings and errors only");
     run_command->callback([&] {
         if (until_option->count() > 0) options.until = scene::read_quantity(until, scene::Dimension::time).value;

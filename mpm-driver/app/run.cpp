@@ -111,7 +111,7 @@ public:
         if (!written_fields_) write_fields();
         if (history_->last_step() != simulation_.steps_done()) write_history();
         write_checkpoint();
-        laws_.bye(); // the farm ends, so that its CPU time can be counted
+        laws_.bye();
         return 0;
     }
 

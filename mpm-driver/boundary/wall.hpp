@@ -53,15 +53,16 @@ public:
     void stop() { motion_.stop(); }
 
     // The calls of one step, in this order (boundary/walls.hpp); those in the middle are repeated where walls meet.
-    void start_step(const Grid& grid, double dt, double confining_pressure);
+    void start_step(const Grid& grid, double dt, double confining_pressure, double pic);
     void hold_mapped_normal(Grid& grid);
     void hold_mapped_tangential(Grid& grid);
     void remember_slip(const Grid& grid);
     void constrain_normal(Grid& grid);
     void constrain_tangential(Grid& grid);
-    void finish_step(const Grid& grid, double pic);
+    void finish_step(const Grid& grid);
 
     bool has_tangential() const { return spec_.kind == "fixed" || spec_.friction > 0.0; }
+    bool shares_rows_with(const Wall& other) const; // of nodes: both would correct the same velocities
     std::vector<StateColumn> state();
 
 private:
@@ -76,13 +77,14 @@ private:
     };
     // The rows of a line's projection, counted from row j: two further out, and inward to the first that lies half a
     // cell or more beneath the face.
+    static constexpr double without_limit = 1e300; // N s; a number, since it travels as a column of the state
     static constexpr int rows_outside = 2;
     int innermost_row() const { return fraction_ <= 0.5 ? 1 : 2; }
 
     void locate_face(const Grid& grid);
     double held_speed(double face_speed) const;
     bool touches(const Line& line) const;
-    double friction_limit(const Line& line) const;
+    double tangential_limit(const Line& line) const;
     void measure_line(const Grid& grid, Line& line) const;
     template <class Visit> void each_row(const Line& line, Visit&& visit) const;
     double face_speed(const std::vector<Vector>& velocity, const Grid& grid, const Line& line, int component) const;
@@ -97,11 +99,11 @@ private:
     int stride_, axis_nodes_; // from row to row, and rows, along the axis
     double velocity_ = std::numeric_limits<double>::quiet_NaN(); // of the present step; not a number before the first, m/s
     double held_velocity_ = 0.0;                                  // of the step before, m/s
-    double dt_ = 0.0, pressure_ = 0.0;
+    double dt_ = 0.0, pressure_ = 0.0, pic_ = 0.0;
     int outer_row_ = 0;     // row j
     double fraction_ = 0.0; // s in [0, 1): from row j towards the material
     std::vector<Line> lines_;
-    std::vector<double> touching_, sticking_; // by line, 0 or 1: as the last step left it
+    std::vector<double> touching_, sticking_; // by line, as the last step left it: 0 or 1; the limit of its tangential impulse where it stuck, N s, else 0
     WallReaction reaction_;
 };
 

@@ -21,8 +21,6 @@ public:
     void collect() override {}
 
     double p_wave_modulus() const { return lame_ + 2.0 * shear_; } // M = lambda + 2 G, Pa
-    double shear_modulus() const { return shear_; }                // G, Pa
-    double lame_modulus() const { return lame_; }                  // lambda, Pa
 
     // The energy 1/2 sigma : C^-1 : sigma of a Kirchhoff stress, J per m^3 of initial volume
     // (out-of-plane stress nu (sxx + syy) included).

@@ -24,6 +24,8 @@ namespace {
 
 namespace columns_of = rve_columns;
 
+constexpr const char* checkpoint_format = "talik-farm-law-checkpoint 1";
+
 // Answers that the driver only passes on to its output.
 const std::array<Column, 7> reported_columns = {columns_of::coordination_number, columns_of::void_ratio, columns_of::bonds,
                                                 columns_of::broken_bonds, columns_of::work, columns_of::split_steps, columns_of::retaken_chunks};
@@ -283,7 +285,7 @@ bool FarmLaw::activate(const std::string& effect, std::span<const std::uint32_t>
 
 void FarmLaw::checkpoint(const std::string& folder) {
     farms_.checkpoint(folder);
-    Hdf5File file = Hdf5File::create((std::filesystem::path(folder) / "law.h5").string(), "mpm-driver", "talik-farm-law-checkpoint 1");
+    Hdf5File file = Hdf5File::create((std::filesystem::path(folder) / "law.h5").string(), "mpm-driver", checkpoint_format);
     file.set_attribute("/", "evaluations", evaluations_);
     file.set_attribute("/", "time", time_);
     for (std::size_t i = 0; i < reported_columns.size(); ++i) file.write("/" + reported_columns[i].name, reported_[i]);
@@ -296,6 +298,7 @@ void FarmLaw::restore(const std::string& folder) {
     if (recorder_) recorder_->go_on();
     exchange::require_sealed(std::filesystem::path(folder) / "law.h5");
     const Hdf5File file = Hdf5File::open((std::filesystem::path(folder) / "law.h5").string());
+    file.require_format(checkpoint_format);
     evaluations_ = file.integer_attribute("/", "evaluations");
     time_ = file.number_attribute("/", "time");
     for (std::size_t i = 0; i < reported_columns.size(); ++i) reported_[i] = file.read<double>("/" + reported_columns[i].name).values;

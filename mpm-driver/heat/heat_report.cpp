@@ -47,14 +47,14 @@ double HeatSolver::balance_error(const Points& points) const {
     return scale > 0.0 ? std::abs(content(points) - books_.initial() - books_.entered()) / scale : 0.0;
 }
 
-std::pair<double, double> HeatSolver::extremes() const {
-    double least = 1e300, most = -1e300;
+// Part of the state: between two steps of heat the points move on, and nodes mapped anew would have other temperatures.
+void HeatSolver::note_extremes() {
+    clock_.coldest = 1e300, clock_.warmest = -1e300;
     for (std::size_t node = 0; node < nodes_; ++node) {
         if (!(volume_[node] > 0.0)) continue;
-        least = std::min(least, temperature_[node]);
-        most = std::max(most, temperature_[node]);
+        clock_.coldest = std::min(clock_.coldest, temperature_[node]);
+        clock_.warmest = std::max(clock_.warmest, temperature_[node]);
     }
-    return {least, most};
 }
 
 double HeatSolver::water_volume(const Points& points) const {
@@ -78,7 +78,7 @@ std::vector<std::string> HeatSolver::warnings() const {
     for (const HeaterSpec& heater : spec_.heaters)
         if (heater.begins && *heater.begins >= scene_duration_)
             out.push_back(fmt::format("the heater \"{}\" stays off: it begins at {:g} s by the scene's clock, and the scene ends at {:g} s", heater.name, *heater.begins, scene_duration_));
-    const bool power = any_source_ || std::any_of(spec_.boundaries.begin(), spec_.boundaries.end(), [](const HeatBoundarySpec& side) { return side.kind == "flux"; });
+    const bool power = !sources_.empty() || std::any_of(spec_.boundaries.begin(), spec_.boundaries.end(), [](const HeatBoundarySpec& side) { return side.kind == "flux"; });
     if (!power && span() > 0.0 && books_.overshoot() > 0.01 * span()) // only at the end of a run
         out.push_back(fmt::format("temperatures have left the range of initial and held ones by {:.2g} K, {:.2g} % of the span: a smaller step of heat, more points in a cell or a finer grid tell what it is", books_.overshoot(), 100.0 * books_.overshoot() / span()));
     if (!enthalpy_form_) out.push_back("heat in the capacity form: energy is not conserved where steps jump over the freezing interval (balance.heat)");
@@ -89,7 +89,7 @@ std::vector<StateColumn> HeatSolver::state() {
     std::vector<StateColumn> columns = books_.state();
     if (enthalpy_form_) columns.push_back({"heat/node_enthalpy", "J/m3", "of nodes whose points rest", {""}, enthalpy_.data(), enthalpy_.size()});
     if (!enthalpy_form_) columns.push_back({"heat/node_state", "C", "temperature of nodes whose points rest", {"temperature", "frozen"}, &state_.front().temperature, state_.size()});
-    columns.push_back({"heat/clock", "SI", "time s, steps, largest rate of ice saturation 1/s", {"time", "steps", "ice_rate"}, &clock_.time, 1});
+    columns.push_back({"heat/clock", "SI", "time s, steps, largest rate of ice saturation 1/s, least and most temperature of the nodes C", {"time", "steps", "ice_rate", "coldest", "warmest"}, &clock_.time, 1});
     return columns;
 }
 

@@ -52,9 +52,7 @@ HeatSolver::HeatSolver(const Scene& scene, const Grid& grid, const Supports& sup
         sources_.push_back({TimeValue(source.value, "\"" + source.name + "\""), source_factors(source, scene.bodies, half_size, points)});
         entries_.push_back(source.name);
     }
-    any_source_ = !sources_.empty();
     source_.assign(n, 0.0);
-    entries_.push_back("source of the program");
     for (std::size_t b = 0; b < half_size.size(); ++b) point_size_factor_ = std::min(point_size_factor_, 4.0 * half_size[b] / grid.cell());
     set_temperature(grid, supports, points, initial_temperatures(scene.bodies, points));
     refuse_what_is_idle(grid, points);
@@ -102,6 +100,7 @@ void HeatSolver::show(const Grid& grid, const Supports& supports, Points& points
     hold_temperatures(clock_.time, clock_.time);
     std::fill(change_.begin(), change_.end(), 0.0);
     points_from_nodes(supports, points);
+    note_extremes();
 }
 
 void HeatSolver::advance(const Grid& grid, const Supports& supports, Points& points, double dt, int substeps, bool moved) {
@@ -115,6 +114,7 @@ void HeatSolver::advance(const Grid& grid, const Supports& supports, Points& poi
     note_ice_rate(points);
     hold_temperatures(clock_.time, clock_.time);
     points_from_nodes(supports, points);
+    note_extremes();
 }
 
 void HeatSolver::substep(const Grid& grid, const Supports& supports, Points& points, double dt) {
@@ -214,26 +214,22 @@ void HeatSolver::heat_flow(const Supports& supports, const Points& points) {
 }
 
 void HeatSolver::source_power(const Points& points, double begin, double end) {
-    if (!any_source_ && !extra_source_) return;
+    if (sources_.empty()) return;
     const double scale = spec_.time_scale, dt = end - begin;
     std::fill(source_.begin(), source_.end(), 0.0);
-    const auto add = [&](std::size_t entry, auto&& density) { // density(p): W/m^3
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+        const double value = sources_[i].value.mean(scale * begin, scale * end); // W/m^3
         const auto power = ordered_sums<1>(points.count(), [&](std::size_t p, std::array<double, 1>& sum) {
-            const double here = scale * points.volume[p] * density(p); // W
+            const double here = scale * points.volume[p] * value * sources_[i].factor[p]; // W
             source_[p] += here;
             sum[0] += here;
         });
-        books_.book(entry, dt * power[0]);
-    };
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
-        const double value = sources_[i].value.mean(scale * begin, scale * end);
-        add(held_.names().size() + i, [&](std::size_t p) { return value * sources_[i].factor[p]; });
+        books_.book(held_.names().size() + i, dt * power[0]);
     }
-    if (extra_source_) add(entries_.size() - 1, [&](std::size_t p) { return extra_source_(points.position[p], begin); });
 }
 
 void HeatSolver::nodal_power(const Supports& supports, double begin, double end) {
-    const bool sources = any_source_ || extra_source_;
+    const bool sources = !sources_.empty();
     each(nodes_, [&](std::size_t node) {
         double power = 0.0; // Q_I = sum V_p q_p . grad phi_Ip + sum phi_Ip V_p s_p: Eqs. (20), (21), with the weak form's sign, W
         supports.each_point_of(node, [&](std::uint32_t p, double phi, const Vector& slope) {
@@ -456,7 +452,7 @@ void HeatSolver::refuse_unphysical() const {
     for (std::size_t node = 0; node < nodes_; ++node)
         if (volume_[node] > 0.0 && state_[node].temperature < absolute_zero)
             fail(ExitCode::failed, fmt::format("heat at t = {:.6g} s: node {} is at {:.4g} C, below absolute zero: the step of heat is not stable there, or a flux takes more than there is", clock_.time, node, state_[node].temperature),
-                 "take step = \"auto\" or a smaller one, heat.stability = 4, a smaller flux");
+                 "take step.fixed = \"auto\" or a smaller one, heat.stability = 4, a smaller flux");
 }
 
 // What the nodes have received goes to the points, and what the nodes know of temperature and ice is shown on them.

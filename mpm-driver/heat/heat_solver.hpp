@@ -14,7 +14,6 @@
 //
 // Capacity form (the paper's). Points carry temperature; the nodes' capacity is C(T) = rho c + latent, Eq. (A2), at their
 // old temperature. The remapped temperature of Eq. (37) is output, never the state.
-#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -59,25 +58,19 @@ public:
 
     double time() const { return clock_.time; }         // s, of the scene
     double steps() const { return clock_.steps; }       // sub-steps taken
-    bool enthalpy_form() const { return enthalpy_form_; }
     const std::vector<ThermalMaterial>& materials() const { return materials_; }
     const ThermalMaterial& material_of(const Points& points, std::size_t p) const { return materials_[material_of_body_[static_cast<std::size_t>(points.body[p])]]; }
     const HeatBooks& books() const { return books_; }
     const std::vector<std::string>& entries() const { return entries_; } // names of the books' entries
-    const std::vector<double>& node_temperature() const { return temperature_; } // held ones included, degrees C
-    const std::vector<double>& node_volume() const { return volume_; }           // W_I, m^3; 0 = no material
-    const HeldNodes& held_nodes() const { return held_; }
 
     double content(const Points& points) const;          // J, sum of the points' enthalpy
     double balance_error(const Points& points) const;    // relative to the heat held at the start and moved since
-    std::pair<double, double> extremes() const;          // least and most temperature of the nodes, held ones included, degrees C
+    std::pair<double, double> extremes() const { return {clock_.coldest, clock_.warmest}; } // of the nodes, held ones included, degrees C
     double water_volume(const Points& points) const;     // m^3
     double ice_volume(const Points& points) const;       // m^3
     double span() const { return highest_ - lowest_; }   // K, of initial and held temperatures
     std::vector<std::string> warnings() const;
 
-    // W/m^3 at a point of space and a time, beside the scene's sources (for manufactured solutions).
-    void set_source(std::function<double(const Vector&, double)> source) { extra_source_ = std::move(source); }
     // Starts anew from these temperatures of the points.
     void set_temperature(const Grid& grid, const Supports& supports, Points& points, const std::vector<double>& temperature);
 
@@ -103,6 +96,7 @@ private:
     bool limit_to_neighbours(const Supports& supports, Points& points); // whether anything was cut
     [[noreturn]] void name_what_is_no_number(Points& points) const;
     void watch_range(Points& points);
+    void note_extremes();
     void note_ice_rate(const Points& points);
     double rate_of_neighbours(int node, int right, int up, double dt, bool held) const; // NaN where there is none
     double value_of(std::size_t node) const;
@@ -130,12 +124,12 @@ private:
     std::vector<double> frozen_at_start_;      // by body: the share of a sharp front that is frozen, where it starts at T0
     HeldNodes held_;
     std::vector<Source> sources_;
-    std::function<double(const Vector&, double)> extra_source_;
     std::vector<std::string> entries_;
     HeatBooks books_;
     struct Clock {
         double time = 0.0, steps = 0.0;
         double ice_rate = std::numeric_limits<double>::infinity(); // 1/s, at most, by the last step; infinite = not known yet
+        double coldest = 0.0, warmest = 0.0;                       // of the nodes after the last step, degrees C
     } clock_;
     double lowest_ = 1e300, highest_ = -1e300; // of initial and held temperatures, degrees C
     double scene_duration_ = 0.0;              // s, of all its stages
@@ -163,7 +157,6 @@ private:
     std::vector<std::pair<std::size_t, std::size_t>> small_; // nodes that the ground barely reaches, and the neighbour they go with
     std::vector<double> merged_;                 // weight of the small nodes that go with a node
     bool small_nodes_changed_ = true;
-    bool any_source_ = false;
     double cut_ = 0.0; // J
 };
 

@@ -49,7 +49,7 @@ void Ledger::open(const Points& points) {
 
 void Ledger::book_grid(const Grid& grid, double dt, double pressure, const Vector& gravity, const std::vector<Wall>& walls,
                        bool prescribed) {
-    const auto sums = ordered_sums<9>(grid.mass.size(), [&](std::size_t n, std::array<double, 9>& sum) {
+    const auto sums = ordered_sums<10>(grid.mass.size(), [&](std::size_t n, std::array<double, 10>& sum) {
         if (grid.mass[n] <= 0.0) return;
         const Vector gained = grid.velocity[n] - grid.velocity_before[n];
         const Vector mean = 0.5 * (grid.velocity[n] + grid.velocity_before[n]);
@@ -63,9 +63,11 @@ void Ledger::book_grid(const Grid& grid, double dt, double pressure, const Vecto
         sum[6] += constraint[0];
         sum[7] += constraint[1];
         sum[8] += dt * pressure * grid.unit_pressure_force[n].norm(); // N s
+        sum[9] += dt * grid.internal_force[n].norm();                 // N s
     });
     grid_mass = sums[0];
     internal_work += sums[2];
+    internal_impulse += sums[9];
     gravity_work += sums[4];
     transfer += sums[1]; // less what reaches the points: book_points
     const Vector weight = dt * sums[0] * gravity; // N s
@@ -119,7 +121,11 @@ double Ledger::dissipation() const {
 }
 
 double Ledger::input_work() const {
-    return initial_kinetic + std::max(wall_work, 0.0) + std::max(pressure_work, 0.0) + std::max(gravity_work, 0.0) + std::max(prescribed_work, 0.0) + std::max(-phase_change, 0.0);
+    return initial_kinetic + std::max(wall_work, 0.0) + std::max(pressure_work, 0.0) + std::max(gravity_work, 0.0) + std::max(prescribed_work, 0.0) + std::max(-phase_change, 0.0) + std::max(-internal_work, 0.0);
+}
+
+double Ledger::energy_scale() const {
+    return std::max({input_work(), kinetic, told_from_rounding * std::abs(initial_law_energy), told_from_rounding * std::abs(law_energy)});
 }
 
 double Ledger::energy_residual() const {
@@ -128,7 +134,7 @@ double Ledger::energy_residual() const {
 }
 
 double Ledger::numerical_loss() const {
-    const double scale = std::max(input_work(), kinetic);
+    const double scale = energy_scale();
     return scale > 0.0 ? (std::abs(transfer) + std::abs(strain_transfer) + std::abs(wall_impact)) / scale : 0.0;
 }
 
@@ -138,11 +144,12 @@ double Ledger::mass_error() const {
 
 double Ledger::momentum_error() const {
     const Vector fed = wall_impulse + pressure_impulse + gravity_impulse + damping_impulse + prescribed_impulse;
-    return impulse_scale > 0.0 ? (momentum - initial_momentum - fed).norm() / impulse_scale : 0.0;
+    const double scale = std::max(impulse_scale, told_from_rounding * internal_impulse);
+    return scale > 0.0 ? (momentum - initial_momentum - fed).norm() / scale : 0.0;
 }
 
 double Ledger::energy_error() const {
-    const double scale = std::max(input_work(), kinetic);
+    const double scale = energy_scale();
     return scale > 0.0 ? std::abs(energy_residual()) / scale : 0.0;
 }
 
@@ -165,6 +172,7 @@ std::vector<StateColumn> Ledger::state() {
     vector("damping_impulse", "N s", "impulse of particle and grid damping", damping_impulse);
     vector("prescribed_impulse", "N s", "impulse of a prescribed velocity field", prescribed_impulse);
     scalar("impulse_scale", "N s", "sum of the magnitudes of all impulses, and of the points' momenta at the start", impulse_scale);
+    scalar("internal_impulse", "N s", "sum of the magnitudes of the internal forces' impulses on the nodes", internal_impulse);
     scalar("initial_kinetic", "J", "kinetic energy at the start", initial_kinetic);
     scalar("kinetic", "J", "kinetic energy of the points", kinetic);
     scalar("wall_work", "J", "work of the walls", wall_work);

@@ -45,7 +45,7 @@ void Simulation::build_schedule() {
                      gravity_, grid_);
     });
     schedule_.add("hold at walls", [this] {
-        if (!prescribed_) hold_mapped_velocity(walls_, grid_, dt_, scene_.confining_pressure);
+        if (!prescribed_) hold_mapped_velocity(walls_, grid_, dt_, scene_.confining_pressure, present_stage().pic);
     });
     schedule_.add("advance grid", [this] { advance_grid(grid_, dt_); });
     schedule_.add("walls", [this] { constrain_grid(); });
@@ -121,20 +121,23 @@ void Simulation::check_next_step() {
     else refuse_beyond(heat_->limit(grid_, points_), next_step());
 }
 
+std::string Simulation::at_this_step() const {
+    return steps_done() == 0 ? "" : fmt::format(", in step {} at t = {:.6g} s", steps_done() + 1, time());
+}
+
 // A step too large is bad input where it is the first.
 void Simulation::refuse_beyond(const HeatLimit& limit, double dt) const {
     if (dt <= limit.step * (1.0 + 1e-9)) return;
-    fail(steps_done() == 0 ? ExitCode::bad_input : ExitCode::failed, fmt::format("the step of {:.4g} s is beyond the largest stable one of heat, {}", dt, heat_->describe(limit, grid_)),
-         fmt::format("use step = \"auto\", or at most {:.3g} s", limit.automatic));
+    fail(steps_done() == 0 ? ExitCode::bad_input : ExitCode::failed, fmt::format("the step of {:.4g} s is beyond the largest stable one of heat, {}{}", dt, heat_->describe(limit, grid_), at_this_step()),
+         fmt::format("use step.fixed = \"auto\", or at most {:.3g} s", limit.automatic));
 }
 
 void Simulation::refuse_beyond(const StepLimit& limit, double dt) {
     if (std::isnan(limit.step) || std::isnan(dt)) name_what_is_no_number();
     if (dt <= limit.step) return;
     fail(steps_done() == 0 ? ExitCode::bad_input : ExitCode::failed,
-         fmt::format("the step of {:.4g} s is beyond the largest stable one, {}{}", dt, describe(limit, grid_.cell()),
-                     steps_done() == 0 ? "" : fmt::format(", in step {} at t = {:.6g} s", steps_done() + 1, time())),
-         fmt::format("use step = \"auto\", or at most {:.3g} s", 0.5 * std::min(limit.step, limit.surface_step)));
+         fmt::format("the step of {:.4g} s is beyond the largest stable one, {}{}", dt, describe(limit, grid_.cell()), at_this_step()),
+         fmt::format("use step.fixed = \"auto\", or at most {:.3g} s", 0.5 * std::min(limit.step, limit.surface_step)));
 }
 
 void Simulation::step(double dt) {
@@ -158,7 +161,8 @@ void Simulation::advance_heat() {
         const double allowed = heat_->limit(grid_, points_).automatic;
         const double remaining = clock_.stage_start + present_stage().duration - clock_.time - dt_;
         const bool switches = clock_.time + 2.0 * dt_ > heat_->next_switch(); // within the next step
-        if (clock_.pending_heat + dt_ <= std::min(allowed, heat_->interval_of_ice()) && remaining > 0.5 * dt_ && !switches) return;
+        const bool may_end = clock_.steps_at_rest + 1.0 >= steps_of_rest;     // the stage, by coming to rest
+        if (clock_.pending_heat + dt_ <= std::min(allowed, heat_->interval_of_ice()) && remaining > 0.5 * dt_ && !switches && !may_end) return;
         const double wanted = std::ceil(clock_.pending_heat / allowed * (1.0 - 1e-9));
         require(wanted <= 1e5, fmt::format("a mechanical step of {:.3g} s would need {:.3g} sub-steps of heat", clock_.pending_heat, wanted), "give a smaller heat.time_scale, a coarser domain.cell or a smaller step");
         const int substeps = std::max(1, static_cast<int>(wanted));
@@ -178,7 +182,7 @@ void Simulation::restored() {
 }
 
 void Simulation::constrain_grid() {
-    if (!prescribed_) return constrain(walls_, grid_, present_stage().pic);
+    if (!prescribed_) return constrain(walls_, grid_);
     for (int node = 0; node < grid_.node_count(); ++node)
         grid_.velocity[static_cast<std::size_t>(node)] = (*prescribed_)(grid_.node_position(node));
 }
@@ -222,7 +226,7 @@ void Simulation::note(Help help, double amount, std::optional<std::uint32_t> poi
 // A fixed step that may be the cause.
 std::string Simulation::hint_of_step() const {
     if (clock_.unsafe_steps == 0.0) return "";
-    return fmt::format("; {:.0f} steps were longer than the {:.3g} s that is stable wherever points lie: step = \"auto\" heeds free surfaces", clock_.unsafe_steps, stable_step().safe_step);
+    return fmt::format("; {:.0f} steps were longer than the {:.3g} s that is stable wherever points lie: step.fixed = \"auto\" heeds free surfaces", clock_.unsafe_steps, stable_step().safe_step);
 }
 
 // After the grid has been advanced and before a point is touched: what is no number in a point's state has reached its nodes.

@@ -75,6 +75,7 @@ public:
     std::vector<StateColumn> state();
 
 private:
+    static constexpr double steps_of_rest = 10.0; // in a row end a stage that waits for rest
     static constexpr double clock_rounding = 1e-4; // of a fixed step: what a clock of 1e6 steps may be off by; no step is cut for less
 
     struct Clock { // doubles only: it travels as a column of the state
@@ -94,6 +95,7 @@ private:
     void check_step(double dt);
     void refuse_beyond(const HeatLimit& limit, double dt) const;
     void refuse_beyond(const StepLimit& limit, double dt);
+    std::string at_this_step() const; // ", in step 5 at t = 0.1 s"; nothing before the first
     void check_numbers();
     [[noreturn]] void name_what_is_no_number();
     void note(Help help, double amount, std::optional<std::uint32_t> point = {});

@@ -59,7 +59,7 @@ bool Simulation::is_at_rest() {
     const bool ramped = clock_.time >= clock_.stage_start + stage.gravity_ramp;
     const bool slow = stage.energy_ratio && ramped && work > 0.0 && ledger_.kinetic < *stage.energy_ratio * work;
     clock_.steps_at_rest = slow ? clock_.steps_at_rest + 1.0 : 0.0;
-    return clock_.steps_at_rest >= 10.0;
+    return clock_.steps_at_rest >= steps_of_rest;
 }
 
 void Simulation::leave_stage_when_done() {
@@ -80,7 +80,7 @@ void Simulation::leave_stage_when_done() {
 std::vector<std::string> Simulation::warnings() const {
     std::vector<std::string> out;
     if (clock_.unsafe_steps > 0.0)
-        out.push_back(fmt::format("{:.0f} of {} steps were beyond the one that is stable wherever points lie in their cells: without damping, free surfaces may vibrate; step = \"auto\" heeds them",
+        out.push_back(fmt::format("{:.0f} of {} steps were beyond the one that is stable wherever points lie in their cells: without damping, free surfaces may vibrate; step.fixed = \"auto\" heeds them",
                                   clock_.unsafe_steps, steps_done()));
     for (std::size_t k = 0; k < unrest_.size(); ++k)
         if (unrest_[k] > 0.0)

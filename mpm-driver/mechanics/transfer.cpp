@@ -60,7 +60,7 @@ void strain_increments(const Grid& grid, const Supports& supports, double dt, Po
 
 PointUpdateBooks grid_to_points(const Grid& grid, const Supports& supports, const TransferRates& rates, double dt, Points& points) {
     const double alpha_pic = rates.pic, alpha_p = rates.particle_damping * dt, alpha_g = rates.grid_damping * dt; // -
-    const auto sums = ordered_sums<10>(points.count(), [&](std::size_t p, std::array<double, 10>& sum) {
+    const auto sums = ordered_sums<9>(points.count(), [&](std::size_t p, std::array<double, 9>& sum) {
         Vector mapped = Vector::Zero(); // vbar_p = sum_I phi_Ip v_I^n, m/s
         Vector gained = Vector::Zero(); // dt a_p = sum_I phi_Ip (v_I^{n+1} - v_I^n), walls included, m/s
         supports.each_node_of(p, [&](std::size_t node, double phi, const Vector&) {
@@ -77,18 +77,17 @@ PointUpdateBooks grid_to_points(const Grid& grid, const Supports& supports, cons
 
         const double m = points.mass[p];
         const Vector mean = 0.5 * (old + velocity); // with it, each cause's energy adds up to the change exactly
-        sum[0] += 0.5 * m * old.squaredNorm();
-        sum[1] += 0.5 * m * velocity.squaredNorm();
-        sum[2] += m * gained.dot(mean);
-        sum[3] -= m * by_pic.dot(mean);
-        sum[4] -= m * by_grid.dot(mean);
-        sum[5] -= m * by_point.dot(mean);
-        sum[6] += m * velocity[0];
-        sum[7] += m * velocity[1];
-        sum[8] += m * (by_grid[0] + by_point[0]);
-        sum[9] += m * (by_grid[1] + by_point[1]);
+        sum[0] += 0.5 * m * velocity.squaredNorm();
+        sum[1] += m * gained.dot(mean);
+        sum[2] -= m * by_pic.dot(mean);
+        sum[3] -= m * by_grid.dot(mean);
+        sum[4] -= m * by_point.dot(mean);
+        sum[5] += m * velocity[0];
+        sum[6] += m * velocity[1];
+        sum[7] += m * (by_grid[0] + by_point[0]);
+        sum[8] += m * (by_grid[1] + by_point[1]);
     });
-    return {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], {sums[6], sums[7]}, {sums[8], sums[9]}};
+    return {sums[0], sums[1], sums[2], sums[3], sums[4], {sums[5], sums[6]}, {sums[7], sums[8]}};
 }
 
 void update_deformation(Points& points, std::int64_t step, double time, const std::function<std::string()>& hint) {

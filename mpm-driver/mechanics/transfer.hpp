@@ -32,8 +32,8 @@ struct TransferRates { // of the present stage
 
 // What the points' update did to energy and momentum, of one step. J, N s, kg m/s
 struct PointUpdateBooks {
-    double kinetic_before = 0.0, kinetic = 0.0; // of the points before and after
-    double flip_work = 0.0;                     // of the grid's acceleration
+    double kinetic = 0.0;   // of the points afterwards
+    double flip_work = 0.0; // of the grid's acceleration
     double pic = 0.0, grid_damping = 0.0, particle_damping = 0.0; // dissipated
     Vector momentum = Vector::Zero();
     Vector damping_impulse = Vector::Zero();

@@ -21,7 +21,7 @@ namespace talik::driver {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr const char* format = "talik-driver-checkpoint 2";
+constexpr const char* format = "talik-driver-checkpoint 3";
 const std::string prefix = "checkpoint-", half = ".part";
 
 std::vector<fs::path> whole_checkpoints(const fs::path& folder) {

@@ -44,7 +44,7 @@ static void add_heat(const Simulation& simulation, std::vector<HistoryValue>& ou
     const auto [coldest, warmest] = heat.extremes();
     out.insert(out.end(), {{"temperature_min_C", coldest}, {"temperature_max_C", warmest}, {"water_m3", heat.water_volume(points)},
                            {"ice_m3", heat.ice_volume(points)}, {"heat_J", heat.content(points)}, {"heat_entered_J", heat.books().entered()}});
-    for (std::size_t i = 0; i + 1 < heat.entries().size(); ++i) out.push_back({heat.entries()[i] + "_heat_J", heat.books().heat(i)});
+    for (std::size_t i = 0; i < heat.entries().size(); ++i) out.push_back({heat.entries()[i] + "_heat_J", heat.books().heat(i)});
     out.insert(out.end(), {{"temperature_overshoot_K", heat.books().overshoot()}, {"balance_heat", heat.balance_error(points)}});
 }
 

@@ -142,7 +142,7 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
         const Points& points = simulation.points();
         const HeatLimit limit = heat->limit(simulation.grid(), points);
         Json by_cause;
-        for (std::size_t i = 0; i + 1 < heat->entries().size(); ++i) by_cause[heat->entries()[i]] = heat->books().heat(i);
+        for (std::size_t i = 0; i < heat->entries().size(); ++i) by_cause[heat->entries()[i]] = heat->books().heat(i);
         json["heat"] = {{"formulation", scene.heat->formulation}, {"steps", heat->steps()}, {"time_scale", scene.heat->time_scale},
                         {"largest_step_s", limit.step}, {"automatic_step_s", limit.automatic}, {"content_J", heat->content(points)}, {"entered_J", heat->books().entered()},
                         {"entered_by_cause_J", by_cause}, {"temperature_overshoot_K", heat->books().overshoot()},

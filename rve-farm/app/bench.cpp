@@ -85,7 +85,7 @@ public:
         while (window(steps) < options_.window_seconds) steps *= 2;
         BenchRow row;
         const StageSeconds before = farm_.stages();
-        const std::int64_t rebuilds = std::as_const(farm_).assembly(0).numbers().rebuilds;
+        const std::int64_t rebuilds = farm_.numbers(0).rebuilds;
         for (int k = 0; k < options_.windows; ++k) {
             const double inner = farm_.stages().inner;
             const double substeps = static_cast<double>(steps) * options_.substeps * case_.rves;
@@ -94,7 +94,7 @@ public:
         }
         const StageSeconds after = farm_.stages();
         row.stages = {after.load - before.load, after.inner - before.inner, after.close - before.close, after.rebuild - before.rebuild};
-        const auto rebuilt = static_cast<double>(std::as_const(farm_).assembly(0).numbers().rebuilds - rebuilds);
+        const auto rebuilt = static_cast<double>(farm_.numbers(0).rebuilds - rebuilds);
         row.rebuild_interval = static_cast<double>(steps) * options_.substeps * options_.windows / std::max(1.0, rebuilt);
         row.substeps_per_second = 1e6 * case_.cores() / median(row.whole);
         row.contacts = answers_[0].contacts;

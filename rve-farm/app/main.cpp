@@ -11,6 +11,12 @@ int main(int argc, char** argv) {
     talik::let_idle_threads_sleep(argv);
     CLI::App app("rve-farm: periodic assemblies of discs (RVEs), solved by the discrete element method");
     app.set_version_flag("--version", [] { return talik::build_facts("rve-farm"); });
+    app.footer("Examples:\n"
+               "  rve-farm element cases/element/dense.toml -o out/dense     a biaxial test of RVEs alone, with its plot\n"
+               "  rve-farm pack cases/element/packing.toml -o dense.h5       prepares packings\n"
+               "  rve-farm bench --precision single,double                   what an RVE costs on this machine\n"
+               "  rve-farm serve --exchange shm:slope                        (and: mpm-driver run scene.toml --exchange shm:slope)\n"
+               "  rve-farm status slope                                      how far a run is, and what it waits for");
     app.require_subcommand(1);
     talik::farm::add_pack(app);
     talik::farm::add_element(app);

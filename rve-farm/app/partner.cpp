@@ -26,8 +26,8 @@ std::unique_ptr<exchange::Channel> join(const PartnerOptions& options) {
 
 void PartnerOptions::add_to(CLI::App& command) {
     command.add_option("--exchange", exchange, "shm:NAME, file:FOLDER or mpi")->required();
-    command.add_option("--stall-seconds", stall_seconds, "how long a silent driver is waited for")->check(CLI::PositiveNumber);
-    command.add_option("--attach-seconds", attach_seconds, "how long the exchange is waited for")->check(CLI::PositiveNumber);
+    command.add_option("--stall-seconds", stall_seconds, "how long a silent driver is waited for")->check(CLI::PositiveNumber)->capture_default_str();
+    command.add_option("--attach-seconds", attach_seconds, "how long the exchange is waited for")->check(CLI::PositiveNumber)->capture_default_str();
     command.add_flag("--quiet", quiet, "warnings and errors only");
     command.add_flag("--launched", launched, "by a driver that quotes the farm's faults: they are not printed here as well")->group("");
 }

@@ -10,7 +10,7 @@ enum class Status : int {
     ok = 0,
     not_finite = 1,        // a NaN or an infinite number, or discs that moved a good part of their radius in a sub-step
     contact_list_full = 2, // more neighbours than there is room for
-    unstable_step = 3,     // the sub-step is beyond 2/omega_max of the contact network; the state is left as it was
+    unstable_step = 3,     // the sub-step is beyond 2/(omega_max sqrt(1 + alpha)) of the contact network; the state is left as it was
     bad_request = 4        // a strain or ice that is no number, or more strain than a step can be; the state is left as it was
 };
 

@@ -141,8 +141,6 @@ double stable_step(double omega_squared) {
     return omega_squared > 0 ? 2 / std::sqrt(omega_squared) : std::numeric_limits<double>::infinity();
 }
 
-double shortening_by_damping(double damping) { return std::sqrt(1 + damping); }
-
 bool is_stable_by_list(AssemblyView& s, const ContactLaw<double>& contact, double sub_step) {
     AssemblyNumbers& n = *s.numbers;
     if (n.omega_squared_bound < 0) n.omega_squared_bound = omega_squared_bound_of_list(s, contact);

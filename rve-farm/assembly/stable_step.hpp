@@ -16,11 +16,7 @@ double omega_squared_of_contacts(const AssemblyView& s, const ContactLaw<double>
 
 double stable_step(double omega_squared); // 2 / omega, s; infinite without contacts
 
-// By what local damping alpha shortens it: a force that brakes counts 1 + alpha times, as a spring so much stiffer would.
-// At 2 / omega itself a heap damped by 0.9 never comes to rest (tests/hard).
-double shortening_by_damping(double damping); // sqrt(1 + alpha), -
-
-// Is sub_step within 2/omega_max? Asks the cheapest estimate that can say yes.
+// Is sub_step, lengthened by shortening_by_damping(), within 2/omega_max? Asks the cheapest estimate that can say yes.
 bool is_stable_by_list(AssemblyView& s, const ContactLaw<double>& contact, double sub_step); // by the first alone, which needs no positions
 bool is_stable(AssemblyView& s, const ContactLaw<double>& contact, double sub_step);
 

@@ -133,10 +133,12 @@ const Assembly& Farm::assembly(int id) const {
     return assemblies_[static_cast<std::size_t>(id)];
 }
 
+const AssemblyNumbers& Farm::numbers(int id) const { return assemblies_.at(static_cast<std::size_t>(id)).numbers(); }
+
 Answer Farm::measure(int id) const { return farm::measure(stepper_, assembly(id)); }
 
 Matrix Farm::cell(int id) const {
-    const AssemblyNumbers& n = assemblies_.at(static_cast<std::size_t>(id)).numbers(); // always here
+    const AssemblyNumbers& n = numbers(id);
     const double c = std::cos(n.frame_angle), s = std::sin(n.frame_angle); // H = R(theta) H'
     Matrix rotation, cell;
     rotation << c, -s, s, c;

@@ -66,10 +66,11 @@ public:
     // The present state of one RVE, without stepping.
     Assembly& assembly(int id); // to be changed
     const Assembly& assembly(int id) const;
+    const AssemblyNumbers& numbers(int id) const; // always here: on a GPU nothing is fetched for them
     Answer measure(int id) const;
     Matrix cell(int id) const;             // in fixed axes, columns are the basis vectors, m
     Packing packing(int id) const;         // with its contacts that carry force or bond: imports to the same state
-    double largest_stable_step(int id) const; // 2/omega_max of the contact network (power iteration), s
+    double largest_stable_step(int id) const; // 2/omega_max of the contact network (power iteration), s; damping shortens it
 
     void activate_bonds(); // all contacts touching at this moment, in every RVE
     void activate_bonds(int id);
@@ -94,7 +95,7 @@ private:
     void rebond(int id, double ice_saturation);
     void choose_backend();
     double beta(std::span<const double> ice_saturation, std::size_t row) const { // Eq. (8)
-        return (parameters().bond ? parameters().bond->strength_factor : 0) * (ice_saturation.empty() ? 1.0 : ice_saturation[row]);
+        return parameters().bond ? parameters().bond->strength_at(ice_saturation.empty() ? 1.0 : ice_saturation[row]) : 0.0;
     }
 
     FarmOptions options_;

@@ -102,7 +102,7 @@ std::vector<std::byte> Service::configure(std::span<const std::byte> payload, ex
     for (std::size_t id = 0; id < count; ++id) {
         const Answer now = farm_->measure(static_cast<int>(id));
         for (std::size_t component = 0; component < readers_.size(); ++component)
-            initial[component * count + id] = readers_[component](now, farm_->assembly(static_cast<int>(id)).numbers());
+            initial[component * count + id] = readers_[component](now, farm_->numbers(static_cast<int>(id)));
         progress.advance_progress(id + 1, count);
     }
     ByteWriter out;
@@ -141,7 +141,7 @@ void Service::answer(const exchange::Batch& request, exchange::Batch& answer, ex
     for (const std::uint32_t id : ids_) costs_[id] += seconds / static_cast<double>(count);
     for (std::size_t component = 0; component < readers_.size(); ++component) {
         const auto column = answer.component(static_cast<int>(component));
-        for (std::size_t i = 0; i < count; ++i) column[static_cast<std::size_t>(rows_[i])] = readers_[component](answers_[i], farm().assembly(static_cast<int>(ids_[i])).numbers());
+        for (std::size_t i = 0; i < count; ++i) column[static_cast<std::size_t>(rows_[i])] = readers_[component](answers_[i], farm().numbers(static_cast<int>(ids_[i])));
     }
     memory_.remember(request, answer, rows_);
 }
@@ -247,7 +247,7 @@ std::size_t Service::restore_from(const std::string& path, std::vector<std::uint
         sound(found[own->second] == 0);
         found[own->second] = 1;
         sound(farm().load(static_cast<int>(own->second), state) == state.size());
-        const std::string column = what_is_no_number(farm().assembly(static_cast<int>(own->second)));
+        const std::string column = what_is_no_number(std::as_const(farm()).assembly(static_cast<int>(own->second)));
         if (!column.empty()) throw Error(ExitCode::bad_input, path, "the RVE " + std::to_string(ids[there]) + " holds a number that is none, in its column " + column, "restart from another checkpoint");
         memory_.take(static_cast<std::uint32_t>(own->second), remembered, static_cast<std::uint32_t>(there));
         ++taken;

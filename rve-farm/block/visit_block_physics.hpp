@@ -18,7 +18,7 @@ void visit_block_physics_in(const BlockLaunch& launch, Visitor&& visit) {
         visit(ledger, spread, Physics<decltype(bond), LocalDamping<Real>, decltype(fluctuation), Real>{contact, bond, damping, fluctuation}, Real());
     };
     const auto bonded = [&](auto ledger, auto spread, auto fluctuation) {
-        if (p.bond) with(ledger, spread, BrittleBond<Real>{Real(p.bond->normal_strength), Real(p.bond->tangential_strength), Real(p.bond->strength_factor)}, fluctuation);
+        if (p.bond) with(ledger, spread, BrittleBond<Real>{Real(p.bond->normal_strength), Real(p.bond->tangential_strength)}, fluctuation);
         else with(ledger, spread, NoBond{}, fluctuation);
     };
     const auto fluctuating = [&](auto ledger, auto spread) {

@@ -104,7 +104,7 @@ template <class T>
 using Contacts = Pack<T, vectors_of_contacts>;
 inline NoBond of_contacts(const NoBond&) { return {}; }
 template <class T>
-BrittleBond<Contacts<T>> of_contacts(const BrittleBond<Pack<T>>& b) { return {b.normal_strength, b.tangential_strength, b.strength_factor}; }
+BrittleBond<Contacts<T>> of_contacts(const BrittleBond<Pack<T>>& b) { return {b.normal_strength, b.tangential_strength}; }
 template <class T, class Physics>
 auto physics_of_contacts(const Physics& p) {
     const ContactLaw<Contacts<T>> contact{p.contact.normal_stiffness, p.contact.tangential_stiffness, p.contact.friction};

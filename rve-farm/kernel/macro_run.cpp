@@ -6,6 +6,7 @@
 
 #include "common/base/error.hpp"
 #include "rve-farm/assembly/neighbours.hpp"
+#include "common/physics/clock.hpp"
 #include "rve-farm/assembly/stable_step.hpp"
 #include "rve-farm/kernel/branch_motion.hpp"
 #include "rve-farm/physics/physics_choice.hpp"

@@ -14,10 +14,6 @@ struct BrittleBond {
     static constexpr bool exists = true;
     Real normal_strength;     // c_n, Pa
     Real tangential_strength; // c_t, Pa
-    Real strength_factor;     // beta_a, -
-
-    // beta_b = beta_a S_i (Eq. 8), -
-    TALIK_HOST_DEVICE Real reduced_strength(Real ice_saturation) const { return strength_factor * ice_saturation; }
 
     // The bond breaks for good once the tension exceeds F_nb = beta_b c_n r^2 (Eq. 6) or the shear F_tb = beta_b c_t r^2
     // (Eq. 7), r the smaller radius, m. Compression alone never breaks it.

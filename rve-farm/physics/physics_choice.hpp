@@ -20,7 +20,7 @@ TALIK_HOST_DEVICE void with_physics(const RveParameters& p, Visitor&& visit) {
         if (p.damping > 0) fluctuating(bond, LocalDamping<Real>{Real(p.damping)});
         else fluctuating(bond, NoDamping{});
     };
-    if (p.bond) damped(BrittleBond<Real>{Real(p.bond->normal_strength), Real(p.bond->tangential_strength), Real(p.bond->strength_factor)});
+    if (p.bond) damped(BrittleBond<Real>{Real(p.bond->normal_strength), Real(p.bond->tangential_strength)});
     else damped(NoBond{});
 }
 

@@ -206,7 +206,7 @@ TEST_CASE("a checkpoint with a NaN is neither written nor read", "[hard][nan][mp
     int missed = 0;
     for (const char* name : {"points/stress", "points/enthalpy", "ledger/kinetic", "clock"}) {
         { // as a writer without the check would have left it
-            Hdf5File file = Hdf5File::create((good / "driver.h5").string(), "mpm-driver", "talik-driver-checkpoint 2");
+            Hdf5File file = Hdf5File::create((good / "driver.h5").string(), "mpm-driver", "talik-driver-checkpoint 3");
             file.set_attribute("/", "scene_hash", simulation->scene().hash);
             file.set_attribute("/", "build", build_facts("mpm-driver"));
             for (const StateColumn& column : simulation->state()) {

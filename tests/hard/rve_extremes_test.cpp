@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/physics/clock.hpp"
 #include "rve-farm/assembly/stable_step.hpp"
 #include "tests/hard/every_kernel.hpp"
 #include "tests/hard/hard_case.hpp"

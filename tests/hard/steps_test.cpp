@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "common/physics/clock.hpp"
 #include "rve-farm/assembly/stable_step.hpp"
 #include "tests/hard/every_kernel.hpp"
 #include "tests/hard/hard_case.hpp"
@@ -111,14 +112,14 @@ TEST_CASE("an RVE whose contacts close during the run takes smaller sub-steps, w
     const auto press = [](const KernelChoice& kernel, bool checked, Answer& answer, bool& stiffened) {
         RveParameters p;
         const Packing loose = farm::samples::lattice(64, -0.01, 0.05, 0.03, 5); // hardly a contact
-        p.time_step = 1.05 * kernel.farm_of(p, farm::samples::disordered(64)).largest_stable_step(0) / farm::shortening_by_damping(p.damping); // of the pressed heap
+        p.time_step = 1.05 * kernel.farm_of(p, farm::samples::disordered(64)).largest_stable_step(0) / shortening_by_damping(p.damping); // of the pressed heap
         farm::FarmOptions options = kernel.options();
         options.smaller_sub_steps = checked;
         farm::Farm rve(p, {loose}, {0}, options);
         const double at_start = rve.largest_stable_step(0);
         for (int k = 0; k < 500 && answer.status == Status::ok; ++k) answer = farm::samples::step(rve, {-1e-4, 0, 0, -1e-4}, 100 * p.time_step, 100);
         for (int k = 0; k < 50 && answer.status == Status::ok; ++k) answer = farm::samples::step(rve, {0, 0, 0, 0}, 100 * p.time_step, 100);
-        const double shortening = farm::shortening_by_damping(p.damping);
+        const double shortening = shortening_by_damping(p.damping);
         stiffened = answer.status != Status::ok || (rve.largest_stable_step(0) / shortening < p.time_step && at_start / shortening > p.time_step);
         return answer.status == Status::ok ? std::abs(answer.kinetic_energy) / answer.stored_energy : HUGE_VAL;
     };
@@ -199,7 +200,7 @@ TEST_CASE("a fixed step beyond the safe one is warned of, and named where the ru
     for (std::size_t p = 0; p < simulation->points().count(); ++p) simulation->points().velocity[p] = 1e-3 * Vector(std::sin(37.0 * static_cast<double>(p)), 0.5);
     const std::string fault = fault_of([&] { take_steps(*simulation, 5000); });
     INFO(fault);
-    hard.holds({"explosions whose cause does not name the step", 0, "point 7 of what is asked: place, time and cause"}, says(fault, "in step") && (says(fault, "steps were longer than the") || says(fault, "beyond the largest stable one")) ? 0 : 1);
+    hard.holds({"explosions whose cause does not name the step", 0, "what cannot be saved is stopped by name: place, time and cause"}, says(fault, "in step") && (says(fault, "steps were longer than the") || says(fault, "beyond the largest stable one")) ? 0 : 1);
     REQUIRE_FALSE(simulation->warnings().empty());
     CHECK(says(simulation->warnings()[0], "beyond the one that is stable wherever points lie"));
 }

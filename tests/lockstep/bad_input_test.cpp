@@ -35,7 +35,7 @@ const std::vector<BadScene> bad_scenes = {
     {"a packing that is missing", {{"discs", "file = \"none.h5\""}, {"void_ratio =", ""}, {"void_ratio_tol", ""}, {"count", ""}}, {"none.h5"}, false},
     {"a void ratio out of reach", {{"void_ratio =", "void_ratio = 0.05"}, {"void_ratio_tol", "void_ratio_tolerance = 0.001"}, {"count", ""}},
      {"out of reach", " to ", "choose a value in between"}, false},
-    {"a macro step too large", {{"safety", "fixed = \"20 ms\""}}, {"the step of 0.02 s is beyond the largest stable one", "use step = \"auto\", or at most"}, false},
+    {"a macro step too large", {{"safety", "fixed = \"20 ms\""}}, {"the step of 0.02 s is beyond the largest stable one", "use step.fixed = \"auto\", or at most"}, false},
     {"a DEM step too large", {{"time_step", "time_step = \"1 ms\""}}, {"the DEM time step of 0.001 s is unstable", "the largest stable step of its contact network is"}, false},
 };
 
@@ -91,7 +91,7 @@ TEST_CASE("A call that cannot be meant is one line and exit code 2", "[lockstep]
         {{"mpm-driver", "run", scene, "--output", output, "--set", "rve.contact.frictoin=1"}, "friction"},
         {{"mpm-driver", "run", scene, "--output", scene + "/below-a-file"}, "cannot be written"},
         {{"mpm-driver", "run", scene, "--output", ""}, "--output: must not be empty"},
-        {{"mpm-driver", "run", scene, "--output", output, "--until", "nan"}, "--until: must be a number > 0"},
+        {{"mpm-driver", "run", scene, "--output", output, "--until", "nan"}, "--until: \"nan\" does not begin with a number"},
         {{"mpm-driver", "run", scene, "--output", output, "--stall-seconds", "nan"}, "--stall-seconds: must be a number > 0"},
         {{"mpm-driver", "run", scene, "--output", output, "--threads", "-1"}, "--threads: must be a whole number from 0"},
         {{"rve-farm", "pack", scene, "-o", folder.path().string()}, "is a folder"},

@@ -21,6 +21,13 @@ TEST_CASE("summary.json holds every key that scripts rely on, and its numbers ag
         CAPTURE(key);
         CHECK(summary.contains(Json::json_pointer(key)));
     }
+    // ... and none that the page for users does not name.
+    const std::string page = content(fs::path(TALIK_SOURCE_DIR) / "docs/interface.md");
+    for (const auto& [key, value] : summary.items()) {
+        CAPTURE(key);
+        CHECK((page.find("`" + key + "`") != std::string::npos || page.find("`" + key + ".") != std::string::npos));
+    }
+    CHECK(summary["cpu_seconds"] > summary["lockstep_seconds"]["farm"]["computing"]); // the farm's time is counted, with the driver's own
     CHECK(summary["exit"] == 0);
     CHECK(summary["rves"] == 16);
     CHECK(summary["time_end"].get<double>() == Approx(0.04));

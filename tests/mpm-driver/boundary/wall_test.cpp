@@ -35,8 +35,8 @@ TEST_CASE("a velocity field linear in the normal direction that satisfies a wall
     const int axis = side == "left" || side == "right" ? 0 : 1;
     const auto field = [&](const Vector& x) { return Vector((x[axis] - face) * Vector(0.7, -0.4)); };
     set_velocity(grid, field);
-    hold_mapped_velocity(walls, grid, 1e-3, 0.0);
-    constrain(walls, grid, 0.0);
+    hold_mapped_velocity(walls, grid, 1e-3, 0.0, 0.0);
+    constrain(walls, grid);
     double change = 0.0;
     for (int n = 0; n < grid.node_count(); ++n)
         change = std::max(change, (grid.velocity[static_cast<std::size_t>(n)] - field(grid.node_position(n))).norm());
@@ -53,8 +53,8 @@ TEST_CASE("a wall gives the grid its velocity at the face with the least change 
     walls.emplace_back(wall("bottom", face), grid);
     set_velocity(grid, [](const Vector& x) { return Vector(0.3, 0.2 * std::cos(9.0 * x[0] + 5.0 * x[1])); });
     const std::vector<Vector> before = grid.velocity;
-    hold_mapped_velocity(walls, grid, 1e-3, 0.0);
-    constrain(walls, grid, 0.0);
+    hold_mapped_velocity(walls, grid, 1e-3, 0.0, 0.0);
+    constrain(walls, grid);
     const double s = (face - 0.5) / 0.1;
     double impulse = 0.0;
     for (int i = 0; i < grid.nodes(0); ++i) {
@@ -110,12 +110,12 @@ TEST_CASE("a wall that separates only pushes", "[wall]") {
     std::vector<Wall> walls;
     walls.emplace_back(spec, grid);
     set_velocity(grid, [](const Vector&) { return Vector(0.0, 0.1); }); // leaves
-    hold_mapped_velocity(walls, grid, 1e-3, 0.0);
-    constrain(walls, grid, 0.0);
+    hold_mapped_velocity(walls, grid, 1e-3, 0.0, 0.0);
+    constrain(walls, grid);
     CHECK(walls[0].reaction().force.norm() == 0.0);
     set_velocity(grid, [](const Vector&) { return Vector(0.0, -0.1); }); // comes
-    hold_mapped_velocity(walls, grid, 1e-3, 0.0);
-    constrain(walls, grid, 0.0);
+    hold_mapped_velocity(walls, grid, 1e-3, 0.0, 0.0);
+    constrain(walls, grid);
     CHECK(walls[0].reaction().force[1] > 0.0);
     for (int i = 0; i < grid.nodes(0); ++i) CHECK(std::abs(grid.velocity[static_cast<std::size_t>(grid.node(i, 6))][1]) < 1e-16);
 }

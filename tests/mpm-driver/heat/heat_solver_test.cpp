@@ -382,7 +382,7 @@ TEST_CASE("a step beyond the limit of heat is refused, and said with the limit",
     CHECK(limit.automatic == Approx(0.5 * limit.step));
     const std::string fault = fault_of([&] { simulation->step(1.01 * limit.step); });
     CHECK(says(fault, "is beyond the largest stable one of heat"));
-    CHECK(says(fault, "use step = \"auto\", or at most"));
+    CHECK(says(fault, "use step.fixed = \"auto\", or at most"));
     CHECK(fault_of([&] { simulation->step(limit.step); }) == "");
 }
 

@@ -120,3 +120,24 @@ TEST_CASE("a held side that moves with its surface makes neither heat nor cold, 
             CHECK(simulation->heat()->books().overshoot() <= 0.01 * 6.5); // asked: a hundredth of the span; once 225 of them
         }
 }
+
+TEST_CASE("between two steps of heat, a restarted run tells the temperatures of the one that was not cut", "[heat][moving][restart]") {
+    ThermalMaterialSpec spec = soil_material();
+    Scene scene = heat_scene(spec, {1.0, 0.4}, 0.05, 5.0);
+    scene.heat->boundaries.push_back(held_side("left", -5.0));
+    make_moving(scene, {0.2, 0.2}, 1.0); // many of its steps fit into one of heat
+    auto through = start_heat(scene), restarted = start_heat(scene);
+    for (auto* run : {&through, &restarted}) (*run)->prescribe(translation({1e-3, 0.0}));
+    const double heat_steps = through->heat()->steps();
+    while (through->heat()->steps() == heat_steps) through->step(through->next_step());
+    through->step(through->next_step());
+    const auto from = through->state(), to = restarted->state();
+    for (std::size_t c = 0; c < from.size(); ++c) std::copy_n(from[c].data, from[c].size(), to[c].data);
+    restarted->restored();
+    CHECK(through->heat()->extremes().first < 0.0);
+    CHECK(restarted->heat()->extremes() == through->heat()->extremes());
+    for (int k = 0; k < 50; ++k) {
+        through->step(through->next_step()), restarted->step(restarted->next_step());
+        CHECK(restarted->heat()->extremes() == through->heat()->extremes());
+    }
+}

@@ -80,7 +80,7 @@ TEST_CASE("a step beyond the limit is refused, with the limit in the message", "
     CHECK(limit == Approx(0.1 / std::sqrt(p_wave / 2000.0)).epsilon(1e-12)); // h / c, at rest
     const std::string fault = fault_of([&] { simulation->step(1.01 * limit); });
     CHECK(says(fault, "beyond the largest stable one, 0.001342 s (Eq. 42: wave speed 74.54 m/s"));
-    CHECK(says(fault, "use step = \"auto\""));
+    CHECK(says(fault, "use step.fixed = \"auto\""));
     CHECK(fault_of([&] { simulation->step(0.99 * limit); }).empty());
 }
 

@@ -28,6 +28,16 @@ public:
     }
 };
 
+// Counts what is copied back.
+class WatchedDevice : public EmulatedDevice {
+public:
+    std::size_t bytes_out = 0;
+    void copy_out(int stream, std::byte* host, const std::byte* device, std::size_t bytes) override {
+        bytes_out += bytes;
+        EmulatedDevice::copy_out(stream, host, device, bytes);
+    }
+};
+
 } // namespace
 
 TEST_CASE("a block in scrambled order gives the stress of the plain kernel, at every size and with every effect", "[block][kernel][eq5][eq49]") {
@@ -53,6 +63,18 @@ TEST_CASE("an RVE that does not fit into shared memory gives the same with part 
 }
 
 TEST_CASE("the state of RVEs on a device can be seen, changed, saved and loaded", "[block]") { block_suite::check_that_state_comes_and_goes({emulated()}); }
+
+TEST_CASE("the numbers of an RVE on a device are at hand without copying it back", "[block]") {
+    const auto gpu = std::make_shared<WatchedDevice>();
+    const std::vector<Packing> packings = {samples::disordered(64), samples::disordered(100)};
+    Farm farm = block_suite::farm_on({gpu}, block_suite::parameters(true, false), packings, Precision::single_);
+    block_suite::step_all(farm, 1, 1e-3, 100);
+    const std::size_t before = gpu->bytes_out;
+    for (int id = 0; id < farm.size(); ++id) CHECK(farm.numbers(id).disc_count == static_cast<int>(packings[static_cast<std::size_t>(id)].x.size()));
+    CHECK(gpu->bytes_out == before);
+    block_suite::step_all(farm, 1, 1e-3, 100);
+    CHECK(gpu->bytes_out - before < 4096); // sums and numbers, not discs: 164 of them have some 20 kB
+}
 
 TEST_CASE("a block whose disc outruns the list is taken again on a fresh one, with the response of a wide list", "[block][neighbours]") {
     block_suite::check_that_outrun_lists_are_made_anew({emulated()});

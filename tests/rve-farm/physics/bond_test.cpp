@@ -7,7 +7,7 @@ using namespace talik;
 using namespace talik::farm;
 
 namespace {
-const BrittleBond<double> bond{1e7, 2e7, 0.5}; // c_n, c_t in Pa; beta_a
+const BrittleBond<double> bond{1e7, 2e7}; // c_n, c_t in Pa
 const double radius = 2e-3;                    // m: c_n r^2 = 40 N, c_t r^2 = 80 N
 
 // A triangular lattice, pressed together by 1e-5 m and bonded. By symmetry its discs follow the cell and do not spin, so
@@ -35,8 +35,11 @@ TEST_CASE("a bond holds shear up to beta c_t r^2 either way and breaks beyond it
 }
 
 TEST_CASE("the strength of bonds is proportional to the ice saturation", "[eq8]") {
-    CHECK(bond.reduced_strength(1.0) == 0.5);
-    CHECK(bond.reduced_strength(0.25) == 0.125);
+    BondParameters frozen;
+    frozen.strength_factor = 0.5;
+    CHECK(frozen.strength_at(1.0) == 0.5);
+    CHECK(frozen.strength_at(0.25) == 0.125);
+    CHECK(frozen.strength_at(0.0) == 0.0);
     CHECK(bond.breaks({-10.1, 0}, radius, 0.25));
     CHECK_FALSE(bond.breaks({-9.9, 0}, radius, 0.25));
 }
