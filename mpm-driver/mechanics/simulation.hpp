@@ -58,7 +58,7 @@ public:
     const std::vector<Wall>& walls() const { return walls_; }
     std::vector<std::string> warnings() const; // of steps beyond the safe one, and of stages that ended before they came to rest, also before a restart
     const SelfHelp& self_help() const { return self_help_; }
-    void leave_out_safeguards() { safeguards_ = false; } // tests, and the measurement of what they cost
+    void leave_out_safeguards(bool out = true) { safeguards_ = !out; } // tests, and the measurement of what they cost
     const Ledger& ledger() const { return ledger_; }
     bool mechanics() const { return points_.mechanical; } // else heat alone
     const HeatSolver* heat() const { return heat_.get(); } // null where the scene has none
