@@ -194,7 +194,7 @@ void check_stability(const Scene& scene, const Value& document, Faults& faults) 
 // A fixed step of heat alone (with mechanics heat takes sub-steps of its own).
 void check_step(const Scene& scene, const ThermalMaterial& material, const Value& document, Faults& faults) {
     const double b = least_b(scene), largest = 2.0 / b * material.largest_step(scene.domain.cell) / scene.heat->time_scale; // s
-    const bool used = std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const BodySpec& b) { return b.material == material.name(); });
+    const bool used = std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const BodySpec& body) { return body.material == material.name(); });
     if (!used || scene.mechanics() || !scene.step.fixed || *scene.step.fixed <= largest * (1.0 + 1e-9)) return;
     faults.push_back({document.find("step")->find("fixed")->position, "step.fixed",
                       fmt::format("{:g} s is beyond the largest stable step of heat in material \"{}\", {:.4g} s (Eq. 43 with b = {:g})", *scene.step.fixed, material.name(), largest, b),
