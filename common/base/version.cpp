@@ -8,6 +8,7 @@
 namespace talik {
 
 std::string version() { return TALIK_VERSION; }
+std::string code_that_packs() { return TALIK_PACKERS; }
 
 std::string build_facts(const std::string& program) {
     return fmt::format("{} {} (commit {})\ncompiler: {} {}, {}\nbackends: cpu{}\nHDF5 {}.{}.{}, MPI: {}", program,

@@ -141,6 +141,6 @@ std::string packing_specification(const RveSpec& rve) {
     return "[rve]\n" + rve_table().dump(kept, "rve");
 }
 
-std::string packing_fingerprint(const RveSpec& rve) { return fingerprint("packing of Talik " + version() + "\n" + packing_specification(rve)); }
+std::string packing_fingerprint(const RveSpec& rve) { return fingerprint("packing by " + code_that_packs() + "\n" + packing_specification(rve)); }
 
 } // namespace talik::scene

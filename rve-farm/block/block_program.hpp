@@ -88,7 +88,7 @@ private:
     TALIK_BLOCK void load_disc(int k) const {
         const int i = rve_.disc[k];
         const DiscAtStart at = i < 0 ? DiscAtStart{} : disc_at_start(s_, i);
-        w_.displacement[k] = {0, 0, 0, i < 0 ? Real(0) : Real(s_.radius[i] / 2)};
+        w_.displacement[k] = {0, 0, 0, i < 0 ? Real(0) : Real(s_.radius[i])};
         w_.velocity[k] = Real(at.velocity_x);
         w_.velocity[discs_ + k] = Real(at.velocity_y);
         w_.velocity[2 * discs_ + k] = Real(at.spin);
@@ -100,7 +100,7 @@ private:
         const ContactAtStart at = contact < 0 ? ContactAtStart::inert() : contact_at_start(s_, contact, rve_.turned[c] != 0, law_);
         w_.partner[c] = rve_.partner[c];
         start(0, c) = Real(at.start.normal_x), start(1, c) = Real(at.start.normal_y);
-        start(2, c) = Real(at.start.inverse_length), start(3, c) = Real(at.start.half_overlap), start(4, c) = Real(at.tangential);
+        start(2, c) = Real(at.start.inverse_length), start(3, c) = Real(at.start.overlap), start(4, c) = Real(at.tangential);
         for (int field = 0; field < 3; ++field) memory(field, c) = 0;
         if constexpr (bonds) memory(BlockWork<Real>::bonded, c) = at.bonded ? 1 : 0;
         if constexpr (ledger) {
@@ -130,7 +130,7 @@ private:
             const Real mass = ledger && Physics::with_fluctuation ? mass_of(im) : Real(0);
             disc_step<ledger>(physics_, d, kick, dt_, force, inverse_mass, mass, v, u, loss);
             for (int a = 0; a < 3; ++a) w_.velocity[a * discs_ + k] = v[a];
-            w_.displacement[k] = {u[0], u[1], u[2], row.half_radius};
+            w_.displacement[k] = {u[0], u[1], u[2], row.radius};
             largest = larger(largest, u[0] * u[0] + u[1] * u[1]);
         }
         own_(thread).largest_squared = largest;
@@ -174,8 +174,8 @@ private:
         using W = BlockWork<Real>;
         const BlockRow<Real> partner = w_.displacement[w_.partner[c]];
         const ContactStart<Real> at{start(0, c), start(1, c), start(2, c), start(3, c)};
-        const ContactRadii<Real> radii(owner.half_radius, partner.half_radius);
-        ContactMemory<Real> memory_of_contact{memory(W::double_turn, c), memory(W::half_change, c)};
+        const ContactRadii<Real> radii{owner.radius, partner.radius};
+        ContactMemory<Real> memory_of_contact{memory(W::turn, c), memory(W::elongation, c)};
         Real old_tangential = 0;
         if constexpr (ledger) old_tangential = memory(W::tangential(bonds), c);
         ContactLoss<Real> loss{0, 0};
@@ -184,14 +184,14 @@ private:
         ContactAction<Real> action;
         if constexpr (bonds) {
             BondState<Real> bond{memory(W::bonded, c), beta_};
-            action = contact_force<ledger>(physics_, motion, start(4, c), change, bond, old_tangential, loss);
+            action = contact_force<ledger>(physics_, motion, radii, start(4, c), change, bond, old_tangential, loss);
             memory(W::bonded, c) = bond.bonded;
         } else {
             NoBondState<Real> none;
-            action = contact_force<ledger>(physics_, motion, start(4, c), change, none, old_tangential, loss);
+            action = contact_force<ledger>(physics_, motion, radii, start(4, c), change, none, old_tangential, loss);
         }
-        memory(W::double_turn, c) = memory_of_contact.double_turn;
-        memory(W::half_change, c) = memory_of_contact.half_change;
+        memory(W::turn, c) = memory_of_contact.turn;
+        memory(W::elongation, c) = memory_of_contact.elongation;
         w_.contact_force[c] = action.x;
         w_.contact_force[contacts_ + c] = action.y;
         w_.contact_force[2 * contacts_ + c] = action.partner_torque;
@@ -200,7 +200,7 @@ private:
             memory(W::tangential(bonds), c) = action.tangential;
             sum.friction += loss.friction;
             if constexpr (bonds) sum.bond += loss.bond;
-            virial.add(motion, action);
+            virial.add(motion, radii, action);
         }
     }
 
@@ -254,7 +254,7 @@ private:
         const BlockRow<Real> owner = w_.displacement[k], partner = w_.displacement[w_.partner[c]];
         bool bonded = false;
         if constexpr (bonds) bonded = memory(BlockWork<Real>::bonded, c) > Real(0);
-        const ContactAtEnd<Real> at{start(0, c), start(1, c), start(2, c), start(3, c), {owner.half_radius, partner.half_radius},
+        const ContactAtEnd<Real> at{start(0, c), start(1, c), start(2, c), start(3, c), {owner.radius, partner.radius},
                                     memory(BlockWork<Real>::tangential_change, c), bonded, moved(owner, partner)};
         close_contact(e, law_, at, s_, contact, request_.give_back, sums);
     }

@@ -14,7 +14,7 @@ namespace talik::farm {
 template <class Real>
 struct alignas(16) BlockRow {
     Real x, y, turn;  // w, non-affine, m; relative to the frame, rad: since the start of the chunk
-    Real half_radius; // m: half the difference of two is the lever arm's, twice the smaller one the bond's
+    Real radius; // m
 };
 
 // The number of threads of a block: as many warps as may be, of which no more than an eighth are idle while the groups are dealt to
@@ -61,14 +61,14 @@ struct BlockWork {
     Real* inverse_mass = nullptr; // 1/m, 2/(m r^2): 1/kg, 1/(kg m^2)
     // contacts, contact_slots apart
     Real* contact_force = nullptr; // on the partner: x, y, torque: N, N, N m
-    Real* memory = nullptr;        // twice the turn, half the length change, tangential change; f_t of the last sub-step; bonded: as present
-    Real* start = nullptr;         // normal x, y, inverse length, half the overlap, tangential force: ContactStart
+    Real* memory = nullptr;        // turn, elongation, tangential change; bonded; f_t of the last sub-step: as present
+    Real* start = nullptr;         // normal x, y, inverse length, overlap, tangential force: ContactStart
     // short numbers
     std::uint16_t *partner = nullptr, *incoming = nullptr, *incoming_begin = nullptr;
 
     static constexpr int starts = 5;
     TALIK_HOST_DEVICE static constexpr int memories(bool bonds, bool ledger) { return 3 + ledger + bonds; }
-    static constexpr int double_turn = 0, half_change = 1, tangential_change = 2, bonded = 3; // of `memory`; with bonds
+    static constexpr int turn = 0, elongation = 1, tangential_change = 2, bonded = 3; // of `memory`; with bonds
     TALIK_HOST_DEVICE static constexpr int tangential(bool bonds) { return 3 + bonds; }  // with the ledger
 
     struct Bytes {

@@ -51,11 +51,8 @@ struct BranchMotion {
         tangent = q;
     }
 
-    // Twice the angle less `rotation`, rad: for what the branch has turned more than its discs without a factor of a half.
-    TALIK_HOST_DEVICE Real twice_the_angle_less(Real rotation) const {
-        const Real twice = tangent + tangent;
-        return (twice - rotation) + twice * arcus;
-    }
+    // The angle less half of `rotation`, rad; of a branch that rolls, the small difference of the two comes first.
+    TALIK_HOST_DEVICE Real angle_less_half(Real rotation) const { return (tangent - Real(0.5) * rotation) + tangent * arcus; }
 };
 
 } // namespace talik::farm

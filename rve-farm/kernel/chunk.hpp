@@ -35,9 +35,9 @@ void load_discs(const auto& team, const AssemblyView& s, const SlotLayout& layou
         const int i = layout.disc[static_cast<std::size_t>(k)], n = w.disc_slots;
         const DiscAtStart at = i < 0 ? DiscAtStart{} : disc_at_start(s, i);
         Real* row = w.displacement + layout.own_rows[static_cast<std::size_t>(k)];
-        const Real half_radius = static_cast<Real>(i < 0 ? 0 : s.radius[i] / 2);
-        for (int a = 0; a < 4; ++a) row[a] = a < 3 ? Real(0) : half_radius;
-        for (int a = 0; a < 4 && w.moved; ++a) w.moved[a * n + k] = a < 3 ? Real(0) : half_radius;
+        const Real radius = static_cast<Real>(i < 0 ? 0 : s.radius[i]);
+        for (int a = 0; a < 4; ++a) row[a] = a < 3 ? Real(0) : radius;
+        for (int a = 0; a < 4 && w.moved; ++a) w.moved[a * n + k] = a < 3 ? Real(0) : radius;
         w.velocity[k] = static_cast<Real>(at.velocity_x);
         w.velocity[n + k] = static_cast<Real>(at.velocity_y);
         w.velocity[2 * n + k] = static_cast<Real>(at.spin);
@@ -59,9 +59,9 @@ void load_contacts(const auto& team, const AssemblyView& s, const SlotLayout& la
         field[F::normal_x * lanes] = static_cast<Real>(at.start.normal_x);
         field[F::normal_y * lanes] = static_cast<Real>(at.start.normal_y);
         field[F::inverse_length * lanes] = static_cast<Real>(at.start.inverse_length);
-        field[F::half_overlap * lanes] = static_cast<Real>(at.start.half_overlap);
+        field[F::overlap * lanes] = static_cast<Real>(at.start.overlap);
         field[F::tangential_start * lanes] = static_cast<Real>(at.tangential);
-        field[F::double_turn * lanes] = field[F::half_change * lanes] = field[F::tangential_change * lanes] = 0;
+        field[F::turn * lanes] = field[F::elongation * lanes] = field[F::tangential_change * lanes] = 0;
         if (w.ledger) field[F::tangential(w.bonds) * lanes] = static_cast<Real>(at.tangential);
         if (w.bonds) field[F::bonded * lanes] = at.bonded ? 1 : 0;
         w.contact_force[row] = static_cast<Real>(at.force_x);
@@ -127,7 +127,7 @@ void close_contacts(const ChunkMotion& cell, const SlotLayout& layout, const Con
         const Real* field = w.contact(k);
         const Real* wi = w.displacement + layout.owner[slot];
         const Real* wj = w.displacement + layout.partner[slot];
-        const ContactAtEnd<Real> at{field[F::normal_x * lanes], field[F::normal_y * lanes], field[F::inverse_length * lanes], field[F::half_overlap * lanes],
+        const ContactAtEnd<Real> at{field[F::normal_x * lanes], field[F::normal_y * lanes], field[F::inverse_length * lanes], field[F::overlap * lanes],
                                     {wi[3], wj[3]},             field[F::tangential_change * lanes], w.bonds && field[F::bonded * lanes] > 0,
                                     {wj[0] - wi[0], wj[1] - wi[1], wi[2] + wj[2], wi[2] - wj[2]}};
         close_contact(e, law, at, s, c, give_back, sums);

@@ -81,7 +81,7 @@ struct ContactAtStart {
         return sum;
     }
     // Far apart and without a bond, for slots without a contact.
-    TALIK_HOST_DEVICE static ContactAtStart inert() { return {{1, 0, 1, -0.5}, 0, 0, 0, 0, 0, false}; }
+    TALIK_HOST_DEVICE static ContactAtStart inert() { return {{1, 0, 1, -1}, 0, 0, 0, 0, 0, false}; }
 };
 
 // Branch and overlap in double, force of the positions without slip or breaking: what the first kick needs.
@@ -94,7 +94,7 @@ TALIK_HOST_DEVICE ContactAtStart contact_at_start(const AssemblyView& s, int c, 
     const bool loaded = g.overlap > 0 || is_bonded(s, c);
     const double fn = loaded ? law.normal_stiffness * g.overlap : 0, ft = loaded ? s.tangential_force[c] : 0; // N
     ContactAtStart at;
-    at.start = {nx, ny, sign * inverse, g.overlap / 2};
+    at.start = {nx, ny, sign * inverse, g.overlap};
     at.tangential = ft;
     at.force_x = fn * nx - ft * ny;
     at.force_y = fn * ny + ft * nx;
@@ -115,7 +115,7 @@ struct ContactSums {
 // What the kernel has of a contact at the end.
 template <class Real>
 struct ContactAtEnd {
-    Real normal_x, normal_y, inverse_length, half_overlap; // of the start
+    Real normal_x, normal_y, inverse_length, overlap; // of the start
     ContactRadii<Real> radii;
     Real tangential_change; // N
     bool bonded;
@@ -130,13 +130,14 @@ TALIK_HOST_DEVICE void close_contact(const CellMotion<Real>& e, const ContactLaw
     const Real gx = (e.xx * nx + e.xy * ny) + at.moved.x * at.inverse_length;
     const Real gy = (e.yx * nx + e.yy * ny) + at.moved.y * at.inverse_length;
     const BranchMotion<Real> branch(nx * gx + ny * gy, nx * gy - ny * gx);
-    const double half_start = at.radii.half_sum - at.half_overlap, half_change = half_start * branch.strain, overlap = 2 * (at.half_overlap - half_change); // m
+    const double length_at_start = static_cast<double>(at.radii.owner) + at.radii.partner - at.overlap, elongation = length_at_start * branch.strain; // m
+    const double overlap = at.overlap - elongation;
     const bool loaded = at.bonded || overlap > 0;
     // f_t = f_t0 in double + its change; and within the Coulomb limit to the last digit.
     double ft = 0;
     const double fn = loaded ? law.normal_stiffness * overlap : 0; // N
     if (loaded) {
-        const double rolled = law.tangential_stiffness * (at.radii.half_difference * static_cast<double>(at.moved.rotation_difference));
+        const double rolled = law.tangential_stiffness * ((static_cast<double>(at.radii.owner) - at.radii.partner) / 2 * at.moved.rotation_difference);
         ft = s.tangential_force[c] + (at.tangential_change + rolled);
         if (!at.bonded) ft = law.limited({fn, ft}).tangential;
     }
@@ -147,7 +148,7 @@ TALIK_HOST_DEVICE void close_contact(const CellMotion<Real>& e, const ContactLaw
     sums.bonds += at.bonded;
     if (!loaded) return;
     const double mx = (nx + gx) * branch.inverse_stretch, my = (ny + gy) * branch.inverse_stretch;
-    const double length = 2 * (half_start + half_change), bx = length * mx, by = length * my;
+    const double length = length_at_start + elongation, bx = length * mx, by = length * my;
     sums.virial.add_contact(fn * mx - ft * my, fn * my + ft * mx, bx, by);
     sums.fabric_xx += bx * bx, sums.fabric_yy += by * by, sums.fabric_xy += bx * by;
     sums.stored_energy += law.stored_energy({fn, ft});

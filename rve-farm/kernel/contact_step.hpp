@@ -11,23 +11,21 @@ template <class Real>
 struct ContactStart {
     Real normal_x, normal_y; // n0, from owner to partner
     Real inverse_length;     // 1 / |b0|, 1/m
-    Real half_overlap;       // delta0 / 2 = (r_i + r_j - |b0|) / 2, m
+    Real overlap;            // delta0 = r_i + r_j - |b0|, m
 };
 
-// Of its discs: (r_i + r_j) / 2 and (r_i - r_j) / 2, m. The lever arm of f_t on the owner is r_i - delta/2 = |b|/2 + half_difference.
+// Of its discs, m.
 template <class Real>
 struct ContactRadii {
-    Real half_sum, half_difference;
-
-    TALIK_HOST_DEVICE ContactRadii(Real half_owner, Real half_partner) : half_sum(half_owner + half_partner), half_difference(half_owner - half_partner) {}
+    Real owner, partner;
 };
 
 // What it carries from sub-step to sub-step; besides, of its force, the tangential change: of f_t since the start, less what the
 // difference of the discs' rotations gives, N.
 template <class Real>
 struct ContactMemory {
-    Real double_turn;       // twice the angle of the branch less the rotations of its discs, rad
-    Real half_change;       // (|b| - |b0|) / 2, m
+    Real turn;              // the angle of the branch less the mean rotation of its discs, rad
+    Real elongation;        // |b| - |b0|, m
 };
 
 // Where its ends have gone since the start.
@@ -49,10 +47,17 @@ template <class Real>
 struct ContactMotion {
     Real normal_x, normal_y;       // n, -
     Real overlap;                  // delta, m
-    Real double_slip;              // twice the slip along t of branch and mean rotation, m
-    Real roll;                     // slip since the start that unequal arms add, m
-    Real owner_arm, partner_arm;   // r_i - delta/2, r_j - delta/2, of f_t, m
+    Real slip;                     // along t in this sub-step, of branch and mean rotation, m
+    Real double_roll;              // twice the slip since the start that unequal arms add, m
     Real opening;                  // of this sub-step, m; for the ledger of bonds
+};
+
+// The lever arms of f_t, r_i - delta/2 and r_j - delta/2, m: the point of contact halves the overlap.
+template <class Real>
+struct ContactArms {
+    Real owner, partner;
+
+    TALIK_HOST_DEVICE ContactArms(const ContactRadii<Real>& radii, Real overlap) : owner(radii.owner - Real(0.5) * overlap), partner(radii.partner - Real(0.5) * overlap) {}
 };
 
 // What the contact does to its discs, and what the ledger books of it.
@@ -87,43 +92,38 @@ TALIK_HOST_DEVICE ContactMotion<Real> contact_motion(const CellMotion<Real>& cel
     const Real gx = (cell.xx * nx + cell.xy * ny) + moved.x * start.inverse_length;
     const Real gy = (cell.yx * nx + cell.yy * ny) + moved.y * start.inverse_length;
     const BranchMotion<Real> branch(nx * gx + ny * gy, nx * gy - ny * gx);
-    const Real half_start = radii.half_sum - start.half_overlap, half_change = half_start * branch.strain; // |b0| / 2, (|b| - |b0|) / 2, m
-    const Real half = half_start + half_change, half_overlap = start.half_overlap - half_change;
+    const Real length_at_start = (radii.owner + radii.partner) - start.overlap, elongation = length_at_start * branch.strain; // |b0|, |b| - |b0|, m
 
-    // The slip of this sub-step along t, second order: |b| at its middle (the sum of the halves at its ends) times what the
-    // branch has turned more than its discs, less what unequal lever arms add: t . db - (r_i - delta/2) dtheta_i -
-    // (r_j - delta/2) dtheta_j, m.
-    const Real double_turn = branch.twice_the_angle_less(moved.rotation_sum);
-    const Real middle = half + (half_start + memory.half_change);
+    // The slip of this sub-step along t, second order: |b| at its middle times what the branch has turned more than its discs, less
+    // what unequal lever arms add: t . db - (r_i - delta/2) dtheta_i - (r_j - delta/2) dtheta_j, m.
+    const Real turn = branch.angle_less_half(moved.rotation_sum);
+    const Real middle = length_at_start + Real(0.5) * (elongation + memory.elongation);
 
     ContactMotion<Real> motion;
     motion.normal_x = (nx + gx) * branch.inverse_stretch; // n = (b / |b0|) / (|b| / |b0|)
     motion.normal_y = (ny + gy) * branch.inverse_stretch;
-    motion.overlap = half_overlap + half_overlap;
-    motion.double_slip = middle * (double_turn - memory.double_turn);
-    motion.roll = radii.half_difference * moved.rotation_difference;
-    motion.owner_arm = half + radii.half_difference;
-    motion.partner_arm = half - radii.half_difference;
-    motion.opening = (half_change - memory.half_change) + (half_change - memory.half_change);
-    memory.double_turn = double_turn;
-    memory.half_change = half_change;
+    motion.overlap = start.overlap - elongation;
+    motion.slip = middle * (turn - memory.turn);
+    motion.double_roll = (radii.owner - radii.partner) * moved.rotation_difference;
+    motion.opening = elongation - memory.elongation;
+    memory.turn = turn;
+    memory.elongation = elongation;
     return motion;
 }
 
 // What its springs answer, Eqs. (5)-(7). tangential_start: f_t0, N.
 template <bool ledger, class Real, class Physics, class Bonds>
-TALIK_HOST_DEVICE ContactAction<Real> contact_force(const Physics& physics, const ContactMotion<Real>& motion, Real tangential_start, Real& tangential_change,
-                                                    Bonds& bonds, Real old_tangential, ContactLoss<Real>& loss) {
+TALIK_HOST_DEVICE ContactAction<Real> contact_force(const Physics& physics, const ContactMotion<Real>& motion, const ContactRadii<Real>& radii, Real tangential_start,
+                                                    Real& tangential_change, Bonds& bonds, Real old_tangential, ContactLoss<Real>& loss) {
     constexpr bool with_bonds = Physics::with_bonds;
     const Real kt = physics.contact.tangential_stiffness;
-    const Real carried = tangential_change - (Real(0.5) * kt) * motion.double_slip; // of f_t, by Eq. (5b), N
-    const ContactForce<Real> trial{physics.contact.normal_stiffness * motion.overlap, tangential_start + (carried + kt * motion.roll)};
+    const Real carried = tangential_change - kt * motion.slip; // of f_t, by Eq. (5b), N
+    const ContactForce<Real> trial{physics.contact.normal_stiffness * motion.overlap, tangential_start + (carried + (Real(0.5) * kt) * motion.double_roll)};
     ContactForce<Real> force = physics.contact.limited(trial); // Eqs. (5a), (5c)
     Real friction_loss = Real(0);
     if constexpr (ledger) friction_loss = physics.contact.friction_loss(old_tangential, trial.tangential, force.tangential);
     if constexpr (with_bonds) {
-        // r of Eqs. (6), (7) is that of the smaller disc: its arm and half the overlap.
-        const Real smaller_radius = smaller(motion.owner_arm, motion.partner_arm) + Real(0.5) * motion.overlap;
+        const Real smaller_radius = smaller(radii.owner, radii.partner); // r of Eqs. (6), (7)
         const auto held = bonds.bonded > Real(0.5);
         const auto breaks = held & physics.bond.breaks(trial, smaller_radius, bonds.beta); // Eqs. (6), (7)
         const auto holds = held & !breaks; // what breaks obeys the unbonded law, on the same step
@@ -144,19 +144,20 @@ TALIK_HOST_DEVICE ContactAction<Real> contact_force(const Physics& physics, cons
     action.x = force.normal * motion.normal_x - force.tangential * motion.normal_y; // f_n n + f_t t
     action.y = force.normal * motion.normal_y + force.tangential * motion.normal_x;
     const Real turning = -force.tangential; // on both discs the same way round
-    action.owner_torque = turning * motion.owner_arm;
-    action.partner_torque = turning * motion.partner_arm;
+    const ContactArms<Real> arm(radii, motion.overlap);
+    action.owner_torque = turning * arm.owner;
+    action.partner_torque = turning * arm.partner;
     return action;
 }
 
-// Sum of f x b over contacts, J, with |b| the sum of the arms.
+// Sum of f x b over contacts, J.
 template <class Sum>
 struct ContactVirial {
     Sum xx = Sum(0), yy = Sum(0), twice_xy = Sum(0);
 
     template <class Real>
-    TALIK_HOST_DEVICE void add(const ContactMotion<Real>& motion, const ContactAction<Real>& action) {
-        const Real length = motion.owner_arm + motion.partner_arm, bx = length * motion.normal_x, by = length * motion.normal_y;
+    TALIK_HOST_DEVICE void add(const ContactMotion<Real>& motion, const ContactRadii<Real>& radii, const ContactAction<Real>& action) {
+        const Real length = (radii.owner + radii.partner) - motion.overlap, bx = length * motion.normal_x, by = length * motion.normal_y;
         xx += static_cast<Sum>(action.x * bx);
         yy += static_cast<Sum>(action.y * by);
         twice_xy += static_cast<Sum>(action.x * by + action.y * bx);

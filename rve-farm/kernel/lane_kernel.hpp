@@ -49,7 +49,7 @@ HWY_INLINE DiscSweep<T> move_run(const Physics& physics, const DiscConstants<T> 
             RowsOfLanes<T> sum(rows, incoming);
             for (int m = 1; m < degree; ++m) sum += RowsOfLanes<T>(rows, incoming + m * P::lanes);
             P x, y, torque, nothing;
-            sum.transpose(x.v[0], y.v[0], torque.v[0], nothing.v[0]);
+            sum.transpose(x.v, y.v, torque.v, nothing.v);
             force[0] += x, force[1] += y, force[2] += torque;
         }
         const P inverse_mass = P::load(w.inverse_mass + k);
@@ -99,63 +99,53 @@ struct ContactBooks {
     Virial<double> virial;
 };
 
-// The same law on packs of contacts.
-template <class T>
-using Contacts = Pack<T, vectors_of_contacts>;
-inline NoBond of_contacts(const NoBond&) { return {}; }
-template <class T>
-BrittleBond<Contacts<T>> of_contacts(const BrittleBond<Pack<T>>& b) { return {b.normal_strength, b.tangential_strength}; }
-template <class T, class Physics>
-auto physics_of_contacts(const Physics& p) {
-    const ContactLaw<Contacts<T>> contact{p.contact.normal_stiffness, p.contact.tangential_stiffness, p.contact.friction};
-    return farm::Physics<decltype(of_contacts(p.bond)), NoDamping, NoFluctuation, Contacts<T>>{contact, of_contacts(p.bond), {}, {}};
-}
+// The branches of some groups move before any of their contacts answers: two short chains keep a core busier than a long one and
+// need fewer registers, which outweighs what is put by between them. Measured: docs/performance.md.
 
-// Whether the branches of some groups move before any of their contacts answers: two short chains keep a core busier than a long
-// one and need fewer registers, which outweighs what is put by between them wherever there is more to a contact than in the
-// plainest scene in single precision. Measured: docs/performance.md.
-template <bool ledger, class T, class Physics>
-constexpr bool in_two_passes = sizeof(T) == 8 || Physics::with_bonds || ledger;
-
-// What a contact puts by from the one pass to the other.
-template <class P, class T>
-HWY_INLINE void put_by(const ContactMotion<P>& m, bool with_opening, T* at) {
+// What a pack of contacts puts by from the one pass to the other.
+template <class P>
+struct MovedContacts {
+    ContactMotion<P> motion;
+    P partner_radius; // m
+};
+template <bool opening, class P, class T>
+HWY_INLINE void put_by(const MovedContacts<P>& moved, T* at) {
+    const ContactMotion<P>& m = moved.motion;
     m.normal_x.store(at);
     m.normal_y.store(at + P::lanes);
     m.overlap.store(at + 2 * P::lanes);
-    m.double_slip.store(at + 3 * P::lanes);
-    m.roll.store(at + 4 * P::lanes);
-    m.owner_arm.store(at + 5 * P::lanes);
-    m.partner_arm.store(at + 6 * P::lanes);
-    if (with_opening) m.opening.store(at + 7 * P::lanes);
+    m.slip.store(at + 3 * P::lanes);
+    m.double_roll.store(at + 4 * P::lanes);
+    moved.partner_radius.store(at + 5 * P::lanes);
+    if constexpr (opening) m.opening.store(at + 6 * P::lanes);
 }
-template <class P, class T>
-HWY_INLINE ContactMotion<P> fetch(bool with_opening, const T* at) {
-    return {P::load(at), P::load(at + P::lanes), P::load(at + 2 * P::lanes), P::load(at + 3 * P::lanes), P::load(at + 4 * P::lanes), P::load(at + 5 * P::lanes), P::load(at + 6 * P::lanes),
-            with_opening ? P::load(at + 7 * P::lanes) : P()};
+template <bool opening, class P, class T>
+HWY_INLINE MovedContacts<P> fetch(const T* at) {
+    return {{P::load(at), P::load(at + P::lanes), P::load(at + 2 * P::lanes), P::load(at + 3 * P::lanes), P::load(at + 4 * P::lanes), opening ? P::load(at + 6 * P::lanes) : P()},
+            P::load(at + 5 * P::lanes)};
 }
 
 // The discs that own the contacts of a group.
 template <class P>
 struct Owners {
-    P x, y, rotation, half_radius;
+    P x, y, rotation, radius;
 };
 
 // The branches of a pack of contacts.
 template <class T, class P>
-HWY_INLINE ContactMotion<P> move_branches(const CellMotion<P>& cell, const Owners<P>& own, const T* HWY_RESTRICT displacement, const std::int32_t* HWY_RESTRICT partner,
+HWY_INLINE MovedContacts<P> move_branches(const CellMotion<P>& cell, const Owners<P>& own, const T* HWY_RESTRICT displacement, const std::int32_t* HWY_RESTRICT partner,
                                           T* HWY_RESTRICT field) {
     using F = ContactField;
     const auto get = [&](int f) HWY_ATTR { return P::load(field + f * P::lanes); };
-    P x, y, rotation, half_radius;
-    gather_rows(displacement, partner, x, y, rotation, half_radius);
+    P x, y, rotation, radius;
+    gather_rows(displacement, partner, x, y, rotation, radius);
     const RelativeMotion<P> moved{x - own.x, y - own.y, rotation + own.rotation, own.rotation - rotation};
-    const ContactStart<P> start{get(F::normal_x), get(F::normal_y), get(F::inverse_length), get(F::half_overlap)};
-    ContactMemory<P> memory{get(F::double_turn), get(F::half_change)};
-    const ContactMotion<P> motion = contact_motion(cell, start, ContactRadii<P>(own.half_radius, half_radius), moved, memory);
-    memory.double_turn.store(field + F::double_turn * P::lanes);
-    memory.half_change.store(field + F::half_change * P::lanes);
-    return motion;
+    const ContactStart<P> start{get(F::normal_x), get(F::normal_y), get(F::inverse_length), get(F::overlap)};
+    ContactMemory<P> memory{get(F::turn), get(F::elongation)};
+    const ContactMotion<P> motion = contact_motion(cell, start, ContactRadii<P>{own.radius, radius}, moved, memory);
+    memory.turn.store(field + F::turn * P::lanes);
+    memory.elongation.store(field + F::elongation * P::lanes);
+    return {motion, radius};
 }
 
 // Over the contacts of a group: what they give to their owners; and over all, for the ledger.
@@ -168,8 +158,10 @@ struct ContactSweep {
 
 // And what they answer.
 template <bool ledger, class T, class P, class Physics>
-HWY_INLINE void answer_motion(const Physics& physics, const ContactMotion<P>& motion, P beta, T* HWY_RESTRICT field, T* HWY_RESTRICT rows, ContactSweep<P>& sweep) {
+HWY_INLINE void answer_motion(const Physics& physics, const MovedContacts<P>& moved, P owner_radius, P beta, T* HWY_RESTRICT field, T* HWY_RESTRICT rows, ContactSweep<P>& sweep) {
     using F = ContactField;
+    const ContactMotion<P>& motion = moved.motion;
+    const ContactRadii<P> radii{owner_radius, moved.partner_radius};
     const auto get = [&](int f) HWY_ATTR { return P::load(field + f * P::lanes); };
     const auto put = [&](int f, P value) HWY_ATTR { value.store(field + f * P::lanes); };
     P change = get(F::tangential_change), old_tangential;
@@ -178,11 +170,11 @@ HWY_INLINE void answer_motion(const Physics& physics, const ContactMotion<P>& mo
     ContactAction<P> action;
     if constexpr (Physics::with_bonds) {
         BondState<P> bonds{get(F::bonded), beta};
-        action = contact_force<ledger>(physics, motion, get(F::tangential_start), change, bonds, old_tangential, loss);
+        action = contact_force<ledger>(physics, motion, radii, get(F::tangential_start), change, bonds, old_tangential, loss);
         put(F::bonded, bonds.bonded);
     } else {
         NoBondState<P> none;
-        action = contact_force<ledger>(physics, motion, get(F::tangential_start), change, none, old_tangential, loss);
+        action = contact_force<ledger>(physics, motion, radii, get(F::tangential_start), change, none, old_tangential, loss);
     }
     put(F::tangential_change, change);
     store_rows(action.x, action.y, action.partner_torque, P(), rows);
@@ -193,14 +185,14 @@ HWY_INLINE void answer_motion(const Physics& physics, const ContactMotion<P>& mo
         put(F::tangential(Physics::with_bonds), action.tangential);
         sweep.friction += loss.friction;
         if constexpr (Physics::with_bonds) sweep.bond += loss.bond;
-        sweep.virial.add(motion, action);
+        sweep.virial.add(motion, radii, action);
     }
 }
 
 template <bool ledger, class T, class Physics>
-HWY_INLINE void step_contacts(const Physics& physics, const CellMotion<Contacts<T>>& cell, T beta_of_now, const SlotLayout& layout, const LaneWork<T>& w, ContactBooks& books) {
-    using P = Contacts<T>;
-    constexpr bool two_passes = in_two_passes<ledger, T, Physics>, opening = ledger && Physics::with_bonds;
+HWY_INLINE void step_contacts(const Physics& physics, const CellMotion<Pack<T>>& cell, T beta_of_now, const SlotLayout& layout, const LaneWork<T>& w, ContactBooks& books) {
+    using P = Pack<T>;
+    constexpr bool opening = ledger && Physics::with_bonds;
     constexpr int block = ContactField::count(Physics::with_bonds, ledger) * P::lanes, put_aside = LaneWork<T>::motions * P::lanes;
     const P beta(beta_of_now);
     const std::int32_t* HWY_RESTRICT group_begin = layout.group_begin.data();
@@ -216,29 +208,19 @@ HWY_INLINE void step_contacts(const Physics& physics, const CellMotion<Contacts<
     ContactSweep<P> sweep;
     for (int first = 0; first < layout.groups; first += w.groups_at_once) {
         const int last = std::min(first + w.groups_at_once, layout.groups);
-        if constexpr (two_passes) {
-            T* HWY_RESTRICT moving = field;
-            T* HWY_RESTRICT motion = w.motion;
-            for (int g = first; g < last; ++g) {
-                const Owners<P> own = owners_of(g);
-                for (int k = group_begin[g]; k < group_begin[g + 1]; k += P::lanes, partner += P::lanes, moving += block, motion += put_aside)
-                    put_by(move_branches(cell, own, displacement, partner, moving), opening, motion);
-            }
+        T* HWY_RESTRICT moving = field;
+        T* HWY_RESTRICT put = w.motion;
+        for (int g = first; g < last; ++g) {
+            const Owners<P> own = owners_of(g);
+            for (int k = group_begin[g]; k < group_begin[g + 1]; k += P::lanes, partner += P::lanes, moving += block, put += put_aside)
+                put_by<opening>(move_branches(cell, own, displacement, partner, moving), put);
         }
         const T* HWY_RESTRICT motion = w.motion;
         for (int g = first; g < last; ++g) {
-            [[maybe_unused]] Owners<P> own;
-            if constexpr (!two_passes) own = owners_of(g);
+            const P radius = owners_of(g).radius;
             sweep.x = sweep.y = sweep.torque = P();
-            for (int k = group_begin[g]; k < group_begin[g + 1]; k += P::lanes, field += block, rows += 4 * P::lanes) {
-                if constexpr (two_passes) {
-                    answer_motion<ledger>(physics, fetch<P>(opening, motion), beta, field, rows, sweep);
-                    motion += put_aside;
-                } else {
-                    answer_motion<ledger>(physics, move_branches(cell, own, displacement, partner, field), beta, field, rows, sweep);
-                    partner += P::lanes;
-                }
-            }
+            for (int k = group_begin[g]; k < group_begin[g + 1]; k += P::lanes, field += block, rows += 4 * P::lanes, motion += put_aside)
+                answer_motion<ledger>(physics, fetch<opening, P>(motion), radius, beta, field, rows, sweep);
             T* force = w.force + g * P::lanes;
             sweep.x.store(force);
             sweep.y.store(force + n);
@@ -272,7 +254,8 @@ ChunkOutcome run_lanes(const Physics& physics, const ContactLaw<double>& law, co
     ChunkLedger booked;
     WorkLedger work(ledger ? virial_at_start(w, layout) : Virial<double>{});
     Stretch stretch = request.stretch;
-    const auto contacts = physics_of_contacts<T>(physics);
+    // A copy, which no store to the columns can change: so the constants stay in registers.
+    const farm::Physics<decltype(physics.bond), NoDamping, NoFluctuation, P> contacts{physics.contact, physics.bond, {}, {}};
     P largest_squared;
     outcome.load_seconds = clock.lap();
     for (int step = 0; step < request.substeps; ++step) {
@@ -281,7 +264,7 @@ ChunkOutcome run_lanes(const Physics& physics, const ContactLaw<double>& law, co
                            largest_squared, of_discs); // Eqs. (44)-(46)
         cell.advance(stretch);
         ContactBooks of_contacts;
-        step_contacts<ledger>(contacts, cell.template as<Contacts<T>>(), static_cast<T>(request.beta), layout, w, of_contacts); // Eqs. (5)-(7)
+        step_contacts<ledger>(contacts, cell.template as<Pack<T>>(), static_cast<T>(request.beta), layout, w, of_contacts); // Eqs. (5)-(7)
         if constexpr (ledger) {
             booked.damping += of_discs.damping;
             booked.friction += of_contacts.friction;
@@ -313,9 +296,9 @@ ChunkOutcome run(const RveParameters& parameters, const ChunkRequest& request, A
 template <class T>
 LaneShape shape() {
     LaneShape s;
-    s.lanes = Contacts<T>::lanes;
+    s.lanes = Pack<T>::lanes;
     s.lanes_of_a_vector = Pack<T>::lanes;
-    row_order<T, vectors_of_contacts>(s.row_of_lane);
+    row_order<T>(s.row_of_lane);
     return s;
 }
 

@@ -14,20 +14,12 @@ namespace talik::farm::inline HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-template <class T, int N>
+template <class T>
 struct Mask {
-    hn::Mask<hn::ScalableTag<T>> m[N];
-    friend HWY_INLINE Mask operator&(Mask a, Mask b) { return both(a, b, [](auto x, auto y) HWY_ATTR { return hn::And(x, y); }); }
-    friend HWY_INLINE Mask operator|(Mask a, Mask b) { return both(a, b, [](auto x, auto y) HWY_ATTR { return hn::Or(x, y); }); }
-    friend HWY_INLINE Mask operator!(Mask a) { return both(a, a, [](auto x, auto) HWY_ATTR { return hn::Not(x); }); }
-
-private:
-    template <class F>
-    static HWY_INLINE Mask both(Mask a, Mask b, F&& f) {
-        Mask r;
-        for (int k = 0; k < N; ++k) r.m[k] = f(a.m[k], b.m[k]);
-        return r;
-    }
+    hn::Mask<hn::ScalableTag<T>> m;
+    friend HWY_INLINE Mask operator&(Mask a, Mask b) { return {hn::And(a.m, b.m)}; }
+    friend HWY_INLINE Mask operator|(Mask a, Mask b) { return {hn::Or(a.m, b.m)}; }
+    friend HWY_INLINE Mask operator!(Mask a) { return {hn::Not(a.m)}; }
 };
 
 // a brought back to at most `limit` >= 0 either way; AVX-512 does it in one.
@@ -42,73 +34,38 @@ HWY_INLINE V brought_within(V limit, V a) {
 #endif
 }
 
-// N vectors as one number. Two of them in turn keep a core busy that would wait for the long chain of one contact.
-template <class T, int N = 1>
+// A vector as a number.
+template <class T>
 struct Pack {
     using D = hn::ScalableTag<T>;
     using V = hn::Vec<D>;
-    static constexpr int lanes_of_a_vector = static_cast<int>(HWY_LANES(T)), lanes = N * lanes_of_a_vector;
+    static constexpr int lanes = static_cast<int>(HWY_LANES(T));
 
-    V v[N];
+    V v = hn::Zero(D());
 
-    HWY_INLINE Pack() { for (V& part : v) part = hn::Zero(D()); }
-    HWY_INLINE Pack(V vector) requires(N == 1) : v{vector} {}
-    HWY_INLINE Pack(double number) { for (V& part : v) part = hn::Set(D(), static_cast<T>(number)); } // the same in every lane
-    template <int M>
-    HWY_INLINE Pack(const Pack<T, M>& one) requires(M == 1 && N > 1) { for (V& part : v) part = one.v[0]; }
-    static HWY_INLINE Pack load(const T* aligned) {
-        Pack p;
-        for (int k = 0; k < N; ++k) p.v[k] = hn::Load(D(), aligned + k * lanes_of_a_vector);
-        return p;
-    }
-    HWY_INLINE void store(T* aligned) const {
-        for (int k = 0; k < N; ++k) hn::Store(v[k], D(), aligned + k * lanes_of_a_vector);
-    }
-    HWY_INLINE double sum() const {
-        V all = v[0];
-        for (int k = 1; k < N; ++k) all = hn::Add(all, v[k]);
-        return static_cast<double>(hn::GetLane(hn::SumOfLanes(D(), all)));
-    }
-    HWY_INLINE double largest() const {
-        V all = v[0];
-        for (int k = 1; k < N; ++k) all = hn::Max(all, v[k]);
-        return static_cast<double>(hn::GetLane(hn::MaxOfLanes(D(), all)));
-    }
+    HWY_INLINE Pack() = default;
+    HWY_INLINE Pack(V vector) : v(vector) {}
+    HWY_INLINE Pack(double number) : v(hn::Set(D(), static_cast<T>(number))) {} // the same in every lane
+    static HWY_INLINE Pack load(const T* aligned) { return hn::Load(D(), aligned); }
+    HWY_INLINE void store(T* aligned) const { hn::Store(v, D(), aligned); }
+    HWY_INLINE double sum() const { return static_cast<double>(hn::GetLane(hn::SumOfLanes(D(), v))); }
+    HWY_INLINE double largest() const { return static_cast<double>(hn::GetLane(hn::MaxOfLanes(D(), v))); }
 
-    friend HWY_INLINE Pack operator+(Pack a, Pack b) { return both(a, b, [](V x, V y) HWY_ATTR { return hn::Add(x, y); }); }
-    friend HWY_INLINE Pack operator-(Pack a, Pack b) { return both(a, b, [](V x, V y) HWY_ATTR { return hn::Sub(x, y); }); }
-    friend HWY_INLINE Pack operator*(Pack a, Pack b) { return both(a, b, [](V x, V y) HWY_ATTR { return hn::Mul(x, y); }); }
-    friend HWY_INLINE Pack operator/(Pack a, Pack b) { return both(a, b, [](V x, V y) HWY_ATTR { return hn::Div(x, y); }); }
-    friend HWY_INLINE Pack operator-(Pack a) { return both(a, a, [](V x, V) HWY_ATTR { return hn::Neg(x); }); }
+    friend HWY_INLINE Pack operator+(Pack a, Pack b) { return hn::Add(a.v, b.v); }
+    friend HWY_INLINE Pack operator-(Pack a, Pack b) { return hn::Sub(a.v, b.v); }
+    friend HWY_INLINE Pack operator*(Pack a, Pack b) { return hn::Mul(a.v, b.v); }
+    friend HWY_INLINE Pack operator/(Pack a, Pack b) { return hn::Div(a.v, b.v); }
+    friend HWY_INLINE Pack operator-(Pack a) { return hn::Neg(a.v); }
     friend HWY_INLINE Pack& operator+=(Pack& a, Pack b) { return a = a + b; }
     friend HWY_INLINE Pack& operator-=(Pack& a, Pack b) { return a = a - b; }
-    friend HWY_INLINE Mask<T, N> operator>(Pack a, Pack b) {
-        Mask<T, N> r;
-        for (int k = 0; k < N; ++k) r.m[k] = hn::Gt(a.v[k], b.v[k]);
-        return r;
-    }
-    friend HWY_INLINE Pack larger(Pack a, Pack b) { return both(a, b, [](V x, V y) HWY_ATTR { return hn::Max(x, y); }); }
-    friend HWY_INLINE Pack smaller(Pack a, Pack b) { return both(a, b, [](V x, V y) HWY_ATTR { return hn::Min(x, y); }); }
-    friend HWY_INLINE Pack within(Pack limit, Pack a) { return both(a, limit, [](V x, V most) HWY_ATTR { return brought_within(most, x); }); }
-    friend HWY_INLINE Pack magnitude(Pack a) { return both(a, a, [](V x, V) HWY_ATTR { return hn::Abs(x); }); }
-    friend HWY_INLINE Pack with_sign_of(Pack a, Pack b) { return both(a, b, [](V x, V y) HWY_ATTR { return hn::CopySign(x, y); }); }
-    friend HWY_INLINE Pack choose(Mask<T, N> condition, Pack yes, Pack no) {
-        Pack r;
-        for (int k = 0; k < N; ++k) r.v[k] = hn::IfThenElse(condition.m[k], yes.v[k], no.v[k]);
-        return r;
-    }
-
-private:
-    template <class F>
-    static HWY_INLINE Pack both(const Pack& a, const Pack& b, F&& f) {
-        Pack r;
-        for (int k = 0; k < N; ++k) r.v[k] = f(a.v[k], b.v[k]);
-        return r;
-    }
+    friend HWY_INLINE Mask<T> operator>(Pack a, Pack b) { return {hn::Gt(a.v, b.v)}; }
+    friend HWY_INLINE Pack larger(Pack a, Pack b) { return hn::Max(a.v, b.v); }
+    friend HWY_INLINE Pack smaller(Pack a, Pack b) { return hn::Min(a.v, b.v); }
+    friend HWY_INLINE Pack within(Pack limit, Pack a) { return brought_within(limit.v, a.v); }
+    friend HWY_INLINE Pack magnitude(Pack a) { return hn::Abs(a.v); }
+    friend HWY_INLINE Pack with_sign_of(Pack a, Pack b) { return hn::CopySign(a.v, b.v); }
+    friend HWY_INLINE Pack choose(Mask<T> condition, Pack yes, Pack no) { return hn::IfThenElse(condition.m, yes.v, no.v); }
 };
-
-// Vectors of a pack of contacts: two where there are registers for them.
-constexpr int vectors_of_contacts = HWY_TARGET == HWY_AVX3 ? 2 : 1;
 
 // What lies at rows + index[0], rows + index[step], ...: `unit` numbers each, side by side.
 template <int unit, int step, class D>
@@ -243,30 +200,26 @@ HWY_INLINE void store_vector(V x, V y, V z, V w, double* rows) {
     }
 }
 
-// For packs of several vectors.
-template <class T, int N>
-HWY_INLINE void gather_rows(const T* rows, const std::int32_t* index, Pack<T, N>& x, Pack<T, N>& y, Pack<T, N>& z, Pack<T, N>& w) {
-    for (int k = 0; k < N; ++k) RowsOfLanes<T>(rows, index + k * Pack<T>::lanes).transpose(x.v[k], y.v[k], z.v[k], w.v[k]);
+template <class T>
+HWY_INLINE void gather_rows(const T* rows, const std::int32_t* index, Pack<T>& x, Pack<T>& y, Pack<T>& z, Pack<T>& w) {
+    RowsOfLanes<T>(rows, index).transpose(x.v, y.v, z.v, w.v);
 }
-template <class T, int N>
-HWY_INLINE void store_rows(const Pack<T, N>& x, const Pack<T, N>& y, const Pack<T, N>& z, const Pack<T, N>& w, T* rows) {
-    for (int k = 0; k < N; ++k) store_vector(x.v[k], y.v[k], z.v[k], w.v[k], rows + 4 * k * Pack<T>::lanes);
-}
+template <class T>
+HWY_INLINE void store_rows(Pack<T> x, Pack<T> y, Pack<T> z, Pack<T> w, T* rows) { store_vector(x.v, y.v, z.v, w.v, rows); }
 
 // Where store_rows puts the row of each lane of a pack: asked of itself.
-template <class T, int N>
+template <class T>
 void row_order(std::int8_t (&row_of_lane)[64]) {
-    using P = Pack<T, N>;
+    using P = Pack<T>;
     alignas(64) T number[P::lanes], rows[4 * P::lanes];
     for (int lane = 0; lane < P::lanes; ++lane) number[lane] = static_cast<T>(lane + 1);
-    const P lanes = P::load(number);
-    store_rows(lanes, P(), P(), P(), rows);
+    store_rows(P::load(number), P(), P(), P(), rows);
     for (int row = 0; row < P::lanes; ++row) row_of_lane[static_cast<int>(rows[4 * row]) - 1] = static_cast<std::int8_t>(row);
 }
 
 } // namespace talik::farm::inline HWY_NAMESPACE
 
 namespace talik::farm {
-template <class T, int N>
-struct ScalarOf<HWY_NAMESPACE::Pack<T, N>> { using Type = T; };
+template <class T>
+struct ScalarOf<HWY_NAMESPACE::Pack<T>> { using Type = T; };
 } // namespace talik::farm

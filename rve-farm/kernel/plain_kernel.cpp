@@ -36,10 +36,10 @@ void step_contact(const Physics& physics, const SlotLayout& layout, const CellMo
     const int lanes = w.lanes();
     const Real* wi = w.displacement + layout.owner[slot];
     const Real* wj = w.displacement + layout.partner[slot];
-    const ContactStart<Real> start{field[F::normal_x * lanes], field[F::normal_y * lanes], field[F::inverse_length * lanes], field[F::half_overlap * lanes]};
-    const ContactRadii<Real> radii(wi[3], wj[3]);
+    const ContactStart<Real> start{field[F::normal_x * lanes], field[F::normal_y * lanes], field[F::inverse_length * lanes], field[F::overlap * lanes]};
+    const ContactRadii<Real> radii{wi[3], wj[3]};
     const RelativeMotion<Real> moved{wj[0] - wi[0], wj[1] - wi[1], wi[2] + wj[2], wi[2] - wj[2]};
-    ContactMemory<Real> memory{field[F::double_turn * lanes], field[F::half_change * lanes]};
+    ContactMemory<Real> memory{field[F::turn * lanes], field[F::elongation * lanes]};
     const Real tangential_start = field[F::tangential_start * lanes];
     Real& tangential_change = field[F::tangential_change * lanes];
     ContactLoss<Real> loss{0, 0};
@@ -49,14 +49,14 @@ void step_contact(const Physics& physics, const SlotLayout& layout, const CellMo
     ContactAction<Real> action;
     if constexpr (Physics::with_bonds) {
         BondState<Real> bonds{field[F::bonded * lanes], beta};
-        action = contact_force<ledger>(physics, motion, tangential_start, tangential_change, bonds, old_tangential, loss);
+        action = contact_force<ledger>(physics, motion, radii, tangential_start, tangential_change, bonds, old_tangential, loss);
         field[F::bonded * lanes] = bonds.bonded;
     } else {
         NoBondState<Real> none;
-        action = contact_force<ledger>(physics, motion, tangential_start, tangential_change, none, old_tangential, loss);
+        action = contact_force<ledger>(physics, motion, radii, tangential_start, tangential_change, none, old_tangential, loss);
     }
-    field[F::double_turn * lanes] = memory.double_turn;
-    field[F::half_change * lanes] = memory.half_change;
+    field[F::turn * lanes] = memory.turn;
+    field[F::elongation * lanes] = memory.elongation;
     Real* row = w.contact_force + layout.row[slot];
     row[0] = action.x;
     row[1] = action.y;
@@ -66,7 +66,7 @@ void step_contact(const Physics& physics, const SlotLayout& layout, const CellMo
         field[F::tangential(Physics::with_bonds) * lanes] = action.tangential;
         double* booked = w.booked + Work<Real, Plain>::booked_columns * k;
         ContactVirial<double> virial;
-        virial.add(motion, action);
+        virial.add(motion, radii, action);
         booked[0] = loss.friction, booked[1] = loss.bond;
         booked[2] = virial.xx, booked[3] = virial.yy, booked[4] = virial.twice_xy / 2;
     }

@@ -11,7 +11,7 @@ namespace talik::farm {
 // Contacts lie in blocks, one number of as many contacts as the kernel has lanes side by side, then the next number: a block
 // is walked with one pointer. The order of the numbers (see ContactStart, ContactMemory); the last two only where present.
 struct ContactField {
-    enum : int { normal_x, normal_y, inverse_length, half_overlap, tangential_start, double_turn, half_change, tangential_change, always };
+    enum : int { normal_x, normal_y, inverse_length, overlap, tangential_start, turn, elongation, tangential_change, always };
     static constexpr int bonded = always;                                         // with bonds
     static constexpr int tangential(bool bonds) { return always + (bonds ? 1 : 0); } // f_t of the last sub-step; with the ledger
     static constexpr int count(bool bonds, bool ledger) { return tangential(bonds) + (ledger ? 1 : 0); }
@@ -22,9 +22,9 @@ struct Work {
     int disc_slots = 0, contact_slots = 0;
     bool bonds = false, ledger = false;
     // discs
-    Real* displacement; // rows {w_x, w_y, theta, r/2}: since the start of the chunk; w non-affine, m; theta relative to the frame, rad
+    Real* displacement; // rows {w_x, w_y, theta, r}: since the start of the chunk; w non-affine, m; theta relative to the frame, rad
     // columns of disc slots, one behind the other
-    Real* moved;        // w_x, w_y, theta once more, and r/2: only for lanes
+    Real* moved;        // w_x, w_y, theta once more, and r: only for lanes
     Real* velocity;     // v_x, v_y, spin: m/s, m/s, 1/s
     Real* inverse_mass; // 1/m, 2/(m r^2): 1/kg, 1/(kg m^2)
     Real* mass;         // kg; only with the fluctuation effect
@@ -35,7 +35,7 @@ struct Work {
     Real* motion;        // ContactMotion of the contacts of some groups, in blocks: only for lanes
     double* booked;      // ledger of the plain kernel: columns of contact slots or disc slots
 
-    static constexpr int booked_columns = 5, motions = 8;
+    static constexpr int booked_columns = 5, motions = 7;
     static constexpr int groups_at_once = 4; // by lanes: few enough for their motion to stay near, enough to overlap
 
     // The fields of a contact slot: field f is at [f * lanes].
