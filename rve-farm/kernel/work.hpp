@@ -36,7 +36,7 @@ struct Work {
     double* booked;      // ledger of the plain kernel: columns of contact slots or disc slots
 
     static constexpr int booked_columns = 5, motions = 7;
-    static constexpr int groups_at_once = 4; // by lanes: few enough for their motion to stay near, enough to overlap
+    static constexpr int groups_at_once = 8; // by lanes: few enough for their motion to stay near, enough to overlap
 
     // The fields of a contact slot: field f is at [f * lanes].
     TALIK_HOST_DEVICE Real* contact(int slot) const { return blocks + (slot >> shift_) * block_size_ + (slot & ((1 << shift_) - 1)); }
