@@ -12,9 +12,12 @@
 
 #if defined(__CUDACC__)
 #define TALIK_BLOCK __device__ __forceinline__
+#define TALIK_SHORT_LOOP _Pragma("unroll 1")
 #else
 #define TALIK_BLOCK inline
+#define TALIK_SHORT_LOOP _Pragma("GCC unroll 1")
 #endif
+// Before a loop that goes round two or three times: unrolled sixteenfold it costs more than it does.
 
 namespace talik {
 

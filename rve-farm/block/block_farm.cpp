@@ -22,7 +22,37 @@ constexpr int copies = Device::batch_streams; // the stream of copies besides th
 
 double mebibytes(std::size_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
 
+template <class Real>
+BlockShape shape_in(const Device& device, bool bonds, const BlockSize& size) {
+    std::byte* const anywhere = reinterpret_cast<std::byte*>(std::uintptr_t{4096}); // only counted, never touched
+    const std::size_t budget = device.shared_bytes_of_a_block();
+    BlockWork<Real> work;
+    // As many warps as a multiprocessor has for each of the blocks that it has room for.
+    constexpr int warps = warps_of_a_multiprocessor<Real>(false);
+    const auto shared = [&](int threads) { return work.template lay_out<false>(size, bonds, threads, anywhere, 0, anywhere).shared; };
+    const std::size_t most = shared(block_threads(size.groups, warps));
+    if (most <= budget) {
+        const auto blocks = static_cast<int>(std::clamp<std::size_t>(device.shared_bytes_of_a_multiprocessor() / (most + shared_bytes_of_the_system), 1, warps));
+        const int threads = block_threads(size.groups, warps / blocks);
+        return {false, threads, shared(threads), 0};
+    }
+    const int threads = block_threads(size.groups, warps_of_a_multiprocessor<Real>(true));
+    const auto used = work.template lay_out<true>(size, bonds, threads, anywhere, budget, anywhere);
+    return {true, threads, used.shared, used.spread};
+}
+
+// What is not shared of a block, as if nothing were: enough for any list.
+std::size_t most_spread(Precision precision, bool bonds, const BlockSize& size) {
+    std::byte* const anywhere = reinterpret_cast<std::byte*>(std::uintptr_t{4096});
+    const auto count = [&](auto real) { return BlockWork<decltype(real)>().template lay_out<true>(size, bonds, 32, anywhere, 0, anywhere).spread; };
+    return precision == Precision::single_ ? count(float()) : count(double());
+}
+
 } // namespace
+
+BlockShape shape_of_block(const Device& device, Precision precision, bool bonds, const BlockSize& size) {
+    return precision == Precision::single_ ? shape_in<float>(device, bonds, size) : shape_in<double>(device, bonds, size);
+}
 
 struct BlockFarm::OnDevice {
     std::shared_ptr<Device> device;
@@ -85,25 +115,6 @@ BlockFarm::BlockFarm(const Stepper& stepper, const std::vector<Assembly>& assemb
         if (!on->ids.empty()) prepare_device(*on, stepper, assemblies);
 }
 
-// Shared memory of a block, and what it takes besides.
-std::size_t BlockFarm::shared_bytes(const Stepper& stepper, const BlockSize& size, int threads, bool spread, std::size_t budget, std::size_t* spread_bytes) const {
-    const bool bonds = stepper.parameters.bond.has_value();
-    const auto count = [&](auto real) {
-        BlockWork<decltype(real)> work;
-        std::byte* const anywhere = reinterpret_cast<std::byte*>(std::uintptr_t{4096}); // only counted, never touched
-        const auto used = spread ? work.template lay_out<true>(size, bonds, stepper.ledger, threads, anywhere, budget, anywhere)
-                                 : work.template lay_out<false>(size, bonds, stepper.ledger, threads, anywhere, budget, anywhere);
-        if (spread_bytes) *spread_bytes = used.spread;
-        return used.shared;
-    };
-    return stepper.kernel->precision == Precision::single_ ? count(float()) : count(double());
-}
-
-bool BlockFarm::is_spread(const Stepper& stepper, const Place& place) const {
-    return shared_bytes(stepper, place.size, block_threads(place.size.groups, most_warps_in_shared), false, 0, nullptr) >
-           on_[static_cast<std::size_t>(place.device)]->device->shared_bytes_of_a_block();
-}
-
 void BlockFarm::prepare_device(OnDevice& on, const Stepper& stepper, const std::vector<Assembly>& assemblies) {
     std::size_t images = 0;
     for (const std::uint32_t id : on.ids) {
@@ -112,12 +123,8 @@ void BlockFarm::prepare_device(OnDevice& on, const Stepper& stepper, const std::
         place.begin = images;
         images += image.bytes();
         on.largest_image = std::max(on.largest_image, image.bytes());
-        const std::size_t budget = on.device->shared_bytes_of_a_block();
-        const int threads = block_threads(image.largest().groups, most_warps_spread);
-        if (shared_bytes(stepper, image.largest(), threads, false, 0, nullptr) <= budget) continue;
-        std::size_t spread = 0;
-        shared_bytes(stepper, image.largest(), threads, true, 0, &spread); // as if nothing were shared: enough for any list
-        on.spread_bytes = std::max(on.spread_bytes, spread);
+        if (shape_of_block(*on.device, stepper.kernel->precision, stepper.parameters.bond.has_value(), image.largest()).spread)
+            on.spread_bytes = std::max(on.spread_bytes, most_spread(stepper.kernel->precision, stepper.parameters.bond.has_value(), image.largest()));
     }
     const std::size_t blocks = std::min<std::size_t>(blocks_of_a_batch, on.ids.size());
     const std::size_t spread_blocks = on.spread_bytes > 0 ? std::min<std::size_t>(spread_blocks_of_a_batch, on.ids.size()) : 0;
@@ -199,24 +206,19 @@ void BlockFarm::issue(OnDevice& on, Step& step) {
         if (!stream.runs.empty()) continue;
         const Stepper& stepper = step.stepper;
         const auto place_of = [&](int r) -> const Place& { return places_[step.ids[static_cast<std::size_t>(r)]]; };
-        const auto kind_of = [&](int r) {
-            const Place& place = place_of(r);
-            const bool spread = is_spread(stepper, place);
-            return std::pair(spread, block_threads(place.size.groups, spread ? most_warps_spread : most_warps_in_shared));
-        };
-        const auto [spread, threads] = kind_of(on.ready.front());
+        const bool spread = place_of(on.ready.front()).shape.spread;
+        const int threads = place_of(on.ready.front()).shape.threads;
         const std::size_t most = std::min<std::size_t>(static_cast<std::size_t>(spread ? spread_blocks_of_a_batch : blocks_of_a_batch), on.ids.size());
         std::deque<int> others;
         std::size_t shared = 0;
         for (; !on.ready.empty() && stream.runs.size() < most; on.ready.pop_front()) {
             const int r = on.ready.front();
-            if (kind_of(r) != std::pair(spread, threads)) {
+            const Place& place = place_of(r);
+            if (place.shape.spread != spread || place.shape.threads != threads) {
                 others.push_back(r);
                 continue;
             }
-            const Place& place = place_of(r);
-            const std::size_t budget = on.device->shared_bytes_of_a_block();
-            shared = std::max(shared, shared_bytes(stepper, place.size, threads, spread, budget, nullptr));
+            shared = std::max(shared, place.shape.shared_bytes);
             BlockTask& task = stream.tasks[stream.runs.size()];
             task.rve = place.slot;
             task.request = step.runs[static_cast<std::size_t>(r)].request();
@@ -338,6 +340,7 @@ void BlockFarm::upload(OnDevice& on, Step& step, std::span<const int> runs) {
         Assembly& rve = step.assemblies[step.ids[row]];
         rve.layout().update(rve.view(), block_shape());
         ensure(image_of(place).size_of(rve.layout(), place.size) == Status::ok); // of a list made or loaded, in the room of one
+        place.shape = shape_of_block(*on.device, step.stepper.kernel->precision, step.stepper.parameters.bond.has_value(), place.size);
         sent.push_back(r);
     }
     const int count = static_cast<int>(sent.size());

@@ -15,6 +15,14 @@
 
 namespace talik::farm {
 
+// How a block runs on a device: all its working memory shared, or spread; threads; bytes of both.
+struct BlockShape {
+    bool spread = false;
+    int threads = 0;
+    std::size_t shared_bytes = 0, spread_bytes = 0;
+};
+BlockShape shape_of_block(const Device& device, Precision precision, bool bonds, const BlockSize& size);
+
 class BlockFarm {
 public:
     // Takes all the memory that the RVEs will ever need; refuses (out_of_resource) with the figure where a device has less.
@@ -40,13 +48,12 @@ private:
         std::int64_t slot = 0;     // among the RVEs of the device
         std::size_t begin = 0;     // of its image
         std::size_t image = 0;     // which of images_
-        BlockSize size;            // of the present list
+        BlockSize size;            // of the present list, which
+        BlockShape shape;          // runs so
         bool newer_on_host = true, newer_on_device = false;
     };
 
     const BlockImage& image_of(const Place& place) const { return images_[place.image]; }
-    std::size_t shared_bytes(const Stepper& stepper, const BlockSize& size, int threads, bool spread, std::size_t budget, std::size_t* spread_bytes) const;
-    bool is_spread(const Stepper& stepper, const Place& place) const;
     void prepare_device(OnDevice& on, const Stepper& stepper, const std::vector<Assembly>& assemblies);
 
     void issue(OnDevice& on, Step& step);

@@ -16,12 +16,12 @@ public:
 
     TALIK_BLOCK BlockProgram(const Team& team, const BlockTask& task, const BlockRve& rve, const Physics& physics, const ContactLaw<double>& law, const BlockWork<Real>& w)
         : team_(team), request_(task.request), rve_(rve), physics_(physics), law_(law), w_(w), shared_(*w.uniforms), s_(rve.view), threads_(team.threads()),
-          discs_(rve.size.disc_slots()), contacts_(rve.size.contact_slots),
-          group_begin_(rve.group_begin), dt_(Real(task.request.sub_step)), beta_(Real(task.request.beta)), own_(team) {
+          discs_(rve.size.disc_slots()), dt_(Real(task.request.sub_step)), beta_(Real(task.request.beta)), own_(team) {
         s_.numbers = const_cast<AssemblyNumbers*>(&task.numbers); // read only
     }
 
     TALIK_BLOCK void run(BlockResult& result) {
+        team_.phase([&](int thread) { load_list(thread); });
         team_.phase([&](int thread) { load(thread); });
         for (int step = 0; step < request_.substeps; ++step) {
             const Real kick = step == 0 ? Real(request_.first_kick) : dt_;
@@ -54,30 +54,37 @@ private:
     // body(contact slot) for the contacts that the disc of a slot owns, in their order.
     template <class Body>
     TALIK_BLOCK void each_owned(int k, Body&& body) const {
-        const int group = k / block_group, end = group_begin_[group + 1];
-        for (int c = group_begin_[group] + k % block_group; c < end; c += block_group) body(c);
+        const std::int32_t* begin = w_.group_begin + k / block_group;
+        for (int c = begin[0] + k % block_group, end = begin[1]; c < end; c += block_group) body(c);
     }
-    TALIK_BLOCK void add_incoming(int k, Real (&force)[3]) const {
+    TALIK_BLOCK void add_incoming(int k, BlockForce<Real>& force) const {
+        TALIK_SHORT_LOOP
         for (int m = w_.incoming_begin[k], end = w_.incoming_begin[k + 1]; m < end; ++m) {
-            const int c = w_.incoming[m];
-            for (int a = 0; a < 3; ++a) force[a] += w_.contact_force[a * contacts_ + c];
+            const BlockAction<Real> action = w_.action.at(w_.incoming[m]);
+            force.x += action.x, force.y += action.y, force.torque += action.torque;
         }
     }
+    TALIK_BLOCK static void add_owned(BlockForce<Real>& force, Real x, Real y, Real torque) { force.x -= x, force.y -= y, force.torque += torque; }
     TALIK_BLOCK RelativeMotion<Real> moved(const BlockRow<Real>& owner, const BlockRow<Real>& partner) const {
         return {partner.x - owner.x, partner.y - owner.y, owner.turn + partner.turn, owner.turn - partner.turn};
     }
-    TALIK_BLOCK Real& start(int field, int c) const { return w_.start[field * contacts_ + c]; }
-    TALIK_BLOCK Real& memory(int field, int c) const { return w_.memory[field * contacts_ + c]; }
 
-    TALIK_BLOCK void load(int thread) {
+    TALIK_BLOCK void load_list(int thread) {
+        for (int g = thread; g <= rve_.size.groups; g += threads_) w_.group_begin[g] = rve_.group_begin[g];
         for (int m = thread; m < rve_.size.incoming; m += threads_) w_.incoming[m] = rve_.incoming[m];
         for (int k = thread; k <= discs_; k += threads_) w_.incoming_begin[k] = rve_.incoming_begin[k];
+    }
+    TALIK_BLOCK void load(int thread) {
         Virial<double> virial;
         for (int k = thread; k < discs_; k += threads_) {
-            load_disc(k);
-            Real force[3] = {0, 0, 0};
+            const int i = rve_.disc[k];
+            const DiscAtStart at = i < 0 ? DiscAtStart{} : disc_at_start(s_, i);
+            BlockForce<Real> force{0, 0, 0, 0};
             each_owned(k, [&](int c) { load_contact(c, force, virial); });
-            for (int a = 0; a < 3; ++a) w_.force[a * discs_ + k] = force[a];
+            w_.displacement.put(k, {0, 0, 0, i < 0 ? Real(0) : Real(s_.radius[i])});
+            w_.motion.put(k, {Real(at.velocity_x), Real(at.velocity_y), Real(at.spin), Real(at.inverse_mass)});
+            w_.force.put(k, force);
+            w_.inverse_inertia[k] = Real(at.inverse_inertia);
         }
         if constexpr (ledger) own_(thread).work = WorkLedger(virial);
         if (!is_single(thread)) return;
@@ -85,59 +92,44 @@ private:
         shared_.stretch = shared_.last_stretch = request_.stretch;
         take_stretch();
     }
-    TALIK_BLOCK void load_disc(int k) const {
-        const int i = rve_.disc[k];
-        const DiscAtStart at = i < 0 ? DiscAtStart{} : disc_at_start(s_, i);
-        w_.displacement[k] = {0, 0, 0, i < 0 ? Real(0) : Real(s_.radius[i])};
-        w_.velocity[k] = Real(at.velocity_x);
-        w_.velocity[discs_ + k] = Real(at.velocity_y);
-        w_.velocity[2 * discs_ + k] = Real(at.spin);
-        w_.inverse_mass[k] = Real(at.inverse_mass);
-        w_.inverse_mass[discs_ + k] = Real(at.inverse_inertia);
-    }
-    TALIK_BLOCK void load_contact(int c, Real (&force)[3], Virial<double>& virial) const {
+    TALIK_BLOCK void load_contact(int c, BlockForce<Real>& force, Virial<double>& virial) const {
         const int contact = rve_.contact[c];
         const ContactAtStart at = contact < 0 ? ContactAtStart::inert() : contact_at_start(s_, contact, rve_.turned[c] != 0, law_);
         w_.partner[c] = rve_.partner[c];
-        start(0, c) = Real(at.start.normal_x), start(1, c) = Real(at.start.normal_y);
-        start(2, c) = Real(at.start.inverse_length), start(3, c) = Real(at.start.overlap), start(4, c) = Real(at.tangential);
-        for (int field = 0; field < 3; ++field) memory(field, c) = 0;
-        if constexpr (bonds) memory(BlockWork<Real>::bonded, c) = at.bonded ? 1 : 0;
+        w_.start.put(c, {Real(at.start.normal_x), Real(at.start.normal_y), Real(at.start.inverse_length), Real(at.start.overlap)});
+        w_.memory.put(c, {0, 0, 0, Real(at.tangential)});
+        w_.action.put(c, {Real(at.force_x), Real(at.force_y), Real(at.partner_torque), Real(at.tangential)});
+        if constexpr (bonds) w_.bonded[c] = at.bonded ? 1 : 0;
         if constexpr (ledger) {
-            memory(BlockWork<Real>::tangential(bonds), c) = Real(at.tangential);
             const Virial<double> own = at.virial();
             virial.xx += own.xx, virial.yy += own.yy, virial.xy += own.xy;
         }
-        w_.contact_force[c] = Real(at.force_x);
-        w_.contact_force[contacts_ + c] = Real(at.force_y);
-        w_.contact_force[2 * contacts_ + c] = Real(at.partner_torque);
-        force[0] -= Real(at.force_x), force[1] -= Real(at.force_y), force[2] += Real(at.owner_torque);
+        add_owned(force, Real(at.force_x), Real(at.force_y), Real(at.owner_torque));
     }
 
     // Reads the forces of the last phase and its own discs; writes its own discs.
     TALIK_BLOCK void move_discs(int thread, Real kick) {
         const PlanarStretch<Real> d = shared_.discs;
         Real largest = own_(thread).largest_squared;
-        DiscLoss<double> loss;
+        DiscLoss<Real> loss;
         for (int k = thread; k < discs_; k += threads_) {
-            Real force[3] = {w_.force[k], w_.force[discs_ + k], w_.force[2 * discs_ + k]};
-            add_incoming(k, force);
-            const Real im = w_.inverse_mass[k];
-            const Real inverse_mass[3] = {im, im, w_.inverse_mass[discs_ + k]};
-            Real v[3] = {w_.velocity[k], w_.velocity[discs_ + k], w_.velocity[2 * discs_ + k]};
-            BlockRow<Real> row = w_.displacement[k];
-            Real u[3] = {row.x, row.y, row.turn};
-            const Real mass = ledger && Physics::with_fluctuation ? mass_of(im) : Real(0);
+            BlockForce<Real> sum = w_.force.at(k);
+            add_incoming(k, sum);
+            const BlockMotion<Real> motion = w_.motion.at(k);
+            const BlockRow<Real> row = w_.displacement.at(k);
+            const Real im = motion.inverse_mass, mass = ledger && Physics::with_fluctuation ? mass_of(im) : Real(0);
+            const Real force[3] = {sum.x, sum.y, sum.torque}, inverse_mass[3] = {im, im, w_.inverse_inertia[k]};
+            Real v[3] = {motion.x, motion.y, motion.spin}, u[3] = {row.x, row.y, row.turn};
             disc_step<ledger>(physics_, d, kick, dt_, force, inverse_mass, mass, v, u, loss);
-            for (int a = 0; a < 3; ++a) w_.velocity[a * discs_ + k] = v[a];
-            w_.displacement[k] = {u[0], u[1], u[2], row.radius};
+            w_.motion.put(k, {v[0], v[1], v[2], im});
+            w_.displacement.put(k, {u[0], u[1], u[2], row.radius});
             largest = larger(largest, u[0] * u[0] + u[1] * u[1]);
         }
         own_(thread).largest_squared = largest;
         if constexpr (ledger) {
             own_(thread).booked.damping += loss.damping;
             own_(thread).booked.work += loss.fluctuation_work;
-            own_(thread).power = {loss.power_xx, loss.power_yy, loss.twice_power_xy / 2};
+            own_(thread).power = {loss.power_xx, loss.power_yy, double{loss.twice_power_xy} / 2};
         }
         if (!is_single(thread)) return;
         shared_.motion.advance(shared_.stretch);
@@ -154,10 +146,10 @@ private:
         ContactLoss<Real> sum{0, 0};
         ContactVirial<Real> virial;
         for (int k = thread; k < discs_; k += threads_) {
-            const BlockRow<Real> owner = w_.displacement[k];
-            Real force[3] = {0, 0, 0};
+            const BlockRow<Real> owner = w_.displacement.at(k);
+            BlockForce<Real> force{0, 0, 0, 0};
             each_owned(k, [&](int c) { step_contact(cell, owner, c, force, sum, virial); });
-            for (int a = 0; a < 3; ++a) w_.force[a * discs_ + k] = force[a];
+            w_.force.put(k, force);
         }
         if constexpr (ledger) {
             Own& own = own_(thread);
@@ -170,34 +162,28 @@ private:
         shared_.stretch.turn_with_the_frame();
         take_stretch();
     }
-    TALIK_BLOCK void step_contact(const CellMotion<Real>& cell, const BlockRow<Real>& owner, int c, Real (&force)[3], ContactLoss<Real>& sum, ContactVirial<Real>& virial) const {
-        using W = BlockWork<Real>;
-        const BlockRow<Real> partner = w_.displacement[w_.partner[c]];
-        const ContactStart<Real> at{start(0, c), start(1, c), start(2, c), start(3, c)};
+    TALIK_BLOCK void step_contact(const CellMotion<Real>& cell, const BlockRow<Real>& owner, int c, BlockForce<Real>& force, ContactLoss<Real>& sum, ContactVirial<Real>& virial) const {
+        const BlockRow<Real> partner = w_.displacement.at(w_.partner[c]);
+        const BlockMemory<Real> memory = w_.memory.at(c);
         const ContactRadii<Real> radii{owner.radius, partner.radius};
-        ContactMemory<Real> memory_of_contact{memory(W::turn, c), memory(W::elongation, c)};
-        Real old_tangential = 0;
-        if constexpr (ledger) old_tangential = memory(W::tangential(bonds), c);
+        ContactMemory<Real> memory_of_motion{memory.turn, memory.elongation};
+        Real change = memory.tangential_change, old_tangential = 0;
+        if constexpr (ledger) old_tangential = w_.action.at(c).tangential;
         ContactLoss<Real> loss{0, 0};
-        const ContactMotion<Real> motion = contact_motion(cell, at, radii, moved(owner, partner), memory_of_contact);
-        Real& change = memory(W::tangential_change, c);
+        const ContactMotion<Real> motion = contact_motion(cell, w_.start.at(c), radii, moved(owner, partner), memory_of_motion);
         ContactAction<Real> action;
         if constexpr (bonds) {
-            BondState<Real> bond{memory(W::bonded, c), beta_};
-            action = contact_force<ledger>(physics_, motion, radii, start(4, c), change, bond, old_tangential, loss);
-            memory(W::bonded, c) = bond.bonded;
+            BondState<Real> bond{w_.bonded[c], beta_};
+            action = contact_force<ledger>(physics_, motion, radii, memory.tangential_start, change, bond, old_tangential, loss);
+            w_.bonded[c] = bond.bonded;
         } else {
             NoBondState<Real> none;
-            action = contact_force<ledger>(physics_, motion, radii, start(4, c), change, none, old_tangential, loss);
+            action = contact_force<ledger>(physics_, motion, radii, memory.tangential_start, change, none, old_tangential, loss);
         }
-        memory(W::turn, c) = memory_of_contact.turn;
-        memory(W::elongation, c) = memory_of_contact.elongation;
-        w_.contact_force[c] = action.x;
-        w_.contact_force[contacts_ + c] = action.y;
-        w_.contact_force[2 * contacts_ + c] = action.partner_torque;
-        force[0] -= action.x, force[1] -= action.y, force[2] += action.owner_torque;
+        w_.memory.put(c, {memory_of_motion.turn, memory_of_motion.elongation, change, memory.tangential_start});
+        w_.action.put(c, {action.x, action.y, action.partner_torque, action.tangential});
+        add_owned(force, action.x, action.y, action.owner_torque);
         if constexpr (ledger) {
-            memory(W::tangential(bonds), c) = action.tangential;
             sum.friction += loss.friction;
             if constexpr (bonds) sum.bond += loss.bond;
             virial.add(motion, radii, action);
@@ -209,7 +195,7 @@ private:
         team_.phase([&](int thread) {
             Real sum = 0;
             for (int k = thread; k < discs_; k += threads_) {
-                const BlockRow<Real> row = w_.displacement[k];
+                const BlockRow<Real> row = w_.displacement.at(k);
                 sum += (row.x + row.y + row.turn) * Real(0); // 0, or not a number
             }
             w_.verdicts[thread] = own_(thread).largest_squared + sum;
@@ -239,10 +225,11 @@ private:
                 const int i = rve_.disc[k];
                 if (i < 0) continue;
                 each_owned(k, [&](int c) { close_owned(e, k, c, own.contacts); });
-                Real force[3] = {w_.force[k], w_.force[discs_ + k], w_.force[2 * discs_ + k]};
+                BlockForce<Real> force = w_.force.at(k);
                 add_incoming(k, force);
-                const BlockRow<Real> row = w_.displacement[k];
-                const DiscAtEnd<Real> at{row.x, row.y, w_.velocity[k], w_.velocity[discs_ + k], w_.velocity[2 * discs_ + k], force[0], force[1], force[2]};
+                const BlockRow<Real> row = w_.displacement.at(k);
+                const BlockMotion<Real> motion = w_.motion.at(k);
+                const DiscAtEnd<Real> at{row.x, row.y, motion.x, motion.y, motion.spin, force.x, force.y, force.torque};
                 close_disc(shared_.motion, at, last_sub_step, Physics::with_fluctuation, s_, i, request_.give_back, own.discs, own.largest_drift_squared);
             }
         });
@@ -251,11 +238,12 @@ private:
     TALIK_BLOCK void close_owned(const CellMotion<Real>& e, int k, int c, ContactSums& sums) {
         const int contact = rve_.contact[c];
         if (contact < 0) return;
-        const BlockRow<Real> owner = w_.displacement[k], partner = w_.displacement[w_.partner[c]];
+        const BlockRow<Real> owner = w_.displacement.at(k), partner = w_.displacement.at(w_.partner[c]);
+        const ContactStart<Real> start = w_.start.at(c);
         bool bonded = false;
-        if constexpr (bonds) bonded = memory(BlockWork<Real>::bonded, c) > Real(0);
-        const ContactAtEnd<Real> at{start(0, c), start(1, c), start(2, c), start(3, c), {owner.radius, partner.radius},
-                                    memory(BlockWork<Real>::tangential_change, c), bonded, moved(owner, partner)};
+        if constexpr (bonds) bonded = w_.bonded[c] > Real(0);
+        const ContactAtEnd<Real> at{start.normal_x, start.normal_y, start.inverse_length, start.overlap, {owner.radius, partner.radius},
+                                    w_.memory.at(c).tangential_change, bonded, moved(owner, partner)};
         close_contact(e, law_, at, s_, contact, request_.give_back, sums);
     }
 
@@ -290,9 +278,8 @@ private:
     const BlockWork<Real>& w_;
     BlockUniforms<Real>& shared_;
     AssemblyView s_;
-    const int threads_, discs_, contacts_;
-    const std::int32_t* const group_begin_; // with dt and beta: in registers, where all else is looked up when it is needed
-    const Real dt_, beta_;
+    const int threads_, discs_;
+    const Real dt_, beta_; // in registers, where all else is looked up when it is needed
     typename Team::template Privates<Own> own_;
 };
 

@@ -6,28 +6,82 @@
 #include <cstdint>
 
 #include "rve-farm/block/block_task.hpp"
+#include "rve-farm/kernel/contact_step.hpp"
 #include "rve-farm/kernel/disc_step.hpp"
 
 namespace talik::farm {
 
-// A row is fetched in one access.
+// Where a disc is, and how large.
 template <class Real>
-struct alignas(16) BlockRow {
-    Real x, y, turn;  // w, non-affine, m; relative to the frame, rad: since the start of the chunk
-    Real radius; // m
+struct BlockRow {
+    Real x, y, turn; // w, non-affine, m; relative to the frame, rad: since the start of the chunk
+    Real radius;     // m
+};
+template <class Real>
+struct BlockMotion {
+    Real x, y, spin;   // m/s, m/s, 1/s
+    Real inverse_mass; // 1/m, 1/kg
+};
+// Of the contacts that a disc owns.
+template <class Real>
+struct BlockForce {
+    Real x, y, torque; // N, N, N m
+    Real nothing;
+};
+template <class Real>
+struct BlockMemory {
+    Real turn, elongation;              // ContactMemory
+    Real tangential_change, tangential_start; // of f_t since the start, and there, N
+};
+// What a contact gives its partner.
+template <class Real>
+struct BlockAction {
+    Real x, y, torque; // N, N, N m
+    Real tangential;   // f_t, N
 };
 
-// The number of threads of a block: as many warps as may be, of which no more than an eighth are idle while the groups are dealt to
-// them in rounds.
-TALIK_HOST_DEVICE int block_threads(int groups, int most_warps) {
-    int warps = most_warps < groups ? most_warps : groups;
-    for (; warps > 1; --warps) {
-        const int dealt = (groups + warps - 1) / warps * warps;
-        if (8 * (dealt - groups) <= dealt) break;
+// Everything that a sub-step needs comes in fours. A column of fours lies in pieces of 16 bytes, the largest that a thread fetches
+// in one access, those of the 32 threads of a warp side by side: whole wavefronts, no bank conflicts.
+template <class Four, class Real>
+class FourColumn {
+public:
+    TALIK_HOST_DEVICE static std::size_t bytes(std::size_t slots) { return (slots + 31) / 32 * 32 * sizeof(Four); }
+    TALIK_HOST_DEVICE void lie_at(std::byte* memory) { pieces_ = reinterpret_cast<Piece*>(memory); }
+
+    TALIK_HOST_DEVICE Four at(int slot) const {
+        const Piece* p = pieces_ + index(slot);
+        if constexpr (pieces == 1) return {p[0].part[0], p[0].part[1], p[0].part[2], p[0].part[3]};
+        else return {p[0].part[0], p[0].part[1], p[32].part[0], p[32].part[1]};
     }
-    return warps * 32;
+    TALIK_HOST_DEVICE void put(int slot, const Four& four) const {
+        const auto& [a, b, c, d] = four;
+        Piece* p = pieces_ + index(slot);
+        if constexpr (pieces == 1) p[0] = {a, b, c, d};
+        else p[0] = {a, b}, p[32] = {c, d};
+    }
+
+private:
+    struct alignas(16) Piece {
+        Real part[16 / sizeof(Real)];
+    };
+    static constexpr int pieces = static_cast<int>(sizeof(Four) / sizeof(Piece));
+    static_assert(sizeof(Four) == 4 * sizeof(Real) && (pieces == 1 || pieces == 2));
+    TALIK_HOST_DEVICE static int index(int slot) { return pieces == 1 ? slot : slot + (slot & ~31); }
+    Piece* pieces_;
+};
+
+// The number of threads of a block: the groups of discs are dealt to its warps in as few rounds as may be, and no warp more than
+// these rounds need.
+TALIK_HOST_DEVICE int block_threads(int groups, int most_warps) {
+    const int rounds = (groups + most_warps - 1) / most_warps;
+    return 32 * ((groups + rounds - 1) / rounds);
 }
-constexpr int most_warps_in_shared = 7, most_warps_spread = 16; // 400 discs are 13 groups: two rounds of seven
+
+// The warps that live on a multiprocessor at a time, in as many blocks as find room in its shared memory: what the kernels are
+// compiled for, with 80 registers to a thread of the smaller number and 128 to others (its 65,536 are dealt in fourths).
+template <class Real>
+constexpr int warps_of_a_multiprocessor(bool spread) { return sizeof(Real) == 4 && !spread ? 24 : 16; }
+constexpr std::size_t shared_bytes_of_the_system = 1024; // taken from every block by CUDA
 
 // What all threads need and one of them computes.
 template <class Real>
@@ -54,22 +108,17 @@ struct BlockWork {
     BlockUniforms<Real>* uniforms = nullptr;
     Real* verdicts = nullptr;  // of the threads: the largest displacement squared of their discs, or no number
     double* scratch = nullptr; // begins where the columns begin
-    // discs; several columns one behind the other, disc_slots apart
-    BlockRow<Real>* displacement = nullptr;
-    Real* velocity = nullptr;     // x, y, spin: m/s, m/s, 1/s
-    Real* force = nullptr;        // of the contacts that the disc owns: x, y, torque: N, N, N m
-    Real* inverse_mass = nullptr; // 1/m, 2/(m r^2): 1/kg, 1/(kg m^2)
-    // contacts, contact_slots apart
-    Real* contact_force = nullptr; // on the partner: x, y, torque: N, N, N m
-    Real* memory = nullptr;        // turn, elongation, tangential change; bonded; f_t of the last sub-step: as present
-    Real* start = nullptr;         // normal x, y, inverse length, overlap, tangential force: ContactStart
+    FourColumn<BlockRow<Real>, Real> displacement; // by disc slot
+    FourColumn<BlockMotion<Real>, Real> motion;
+    FourColumn<BlockForce<Real>, Real> force;
+    FourColumn<BlockAction<Real>, Real> action; // by contact slot
+    FourColumn<BlockMemory<Real>, Real> memory;
+    FourColumn<ContactStart<Real>, Real> start;
+    Real* inverse_inertia = nullptr;            // 2/(m r^2), 1/(kg m^2), by disc slot
+    Real* bonded = nullptr;                     // 1 or 0, by contact slot
+    std::int32_t* group_begin = nullptr;        // contact slots, by group of discs and one more
     // short numbers
     std::uint16_t *partner = nullptr, *incoming = nullptr, *incoming_begin = nullptr;
-
-    static constexpr int starts = 5;
-    TALIK_HOST_DEVICE static constexpr int memories(bool bonds, bool ledger) { return 3 + ledger + bonds; }
-    static constexpr int turn = 0, elongation = 1, tangential_change = 2, bonded = 3; // of `memory`; with bonds
-    TALIK_HOST_DEVICE static constexpr int tangential(bool bonds) { return 3 + bonds; }  // with the ledger
 
     struct Bytes {
         std::size_t shared, spread;
@@ -78,7 +127,7 @@ struct BlockWork {
     // Where it may spread, what is beyond the budget of shared_bytes goes to spread_memory; else all is shared (and the compiler
     // knows it), whatever the budget. Returns what is taken of both.
     template <bool may_spread>
-    TALIK_HOST_DEVICE Bytes lay_out(const BlockSize& size, bool bonds, bool ledger, int threads, std::byte* shared_memory, [[maybe_unused]] std::size_t shared_bytes,
+    TALIK_HOST_DEVICE Bytes lay_out(const BlockSize& size, bool bonds, int threads, std::byte* shared_memory, [[maybe_unused]] std::size_t shared_bytes,
                                     [[maybe_unused]] std::byte* spread_memory) {
         Bytes used{0, 0};
         const auto room = [](std::size_t bytes) { return (bytes + 15) / 16 * 16; };
@@ -101,17 +150,24 @@ struct BlockWork {
             column = reinterpret_cast<Column>(shared_memory + used.shared);
             used.shared += bytes;
         };
+        const auto place_fours = [&](auto& column, std::size_t slots) {
+            std::byte* memory_of_column = nullptr;
+            place(memory_of_column, column.bytes(slots));
+            column.lie_at(memory_of_column);
+        };
         const auto discs = static_cast<std::size_t>(size.disc_slots()), contacts = static_cast<std::size_t>(size.contact_slots);
-        place(displacement, discs);
-        place(contact_force, 3 * contacts);
-        place(memory, static_cast<std::size_t>(memories(bonds, ledger)) * contacts);
-        place(force, 3 * discs);
-        place(velocity, 3 * discs);
+        place(group_begin, static_cast<std::size_t>(size.groups) + 1);
+        place_fours(displacement, discs);
+        place_fours(action, contacts);
+        place_fours(memory, contacts);
+        place_fours(force, discs);
+        place_fours(motion, discs);
+        place(inverse_inertia, discs);
+        place(bonded, bonds ? contacts : 0);
         place(partner, contacts);
         place(incoming, static_cast<std::size_t>(size.incoming));
         place(incoming_begin, discs + 1);
-        place(start, starts * contacts);
-        place(inverse_mass, 2 * discs);
+        place_fours(start, contacts);
         const std::size_t with_scratch = before_columns + BlockScratch::bytes(threads);
         used.shared = used.shared > with_scratch ? used.shared : with_scratch;
         return used;

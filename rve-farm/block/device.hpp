@@ -33,7 +33,8 @@ public:
     virtual ~Device() = default;
 
     virtual std::string name() const = 0;
-    virtual std::size_t shared_bytes_of_a_block() const = 0; // the most that a block can have
+    virtual std::size_t shared_bytes_of_a_block() const = 0;          // the most that a block can have
+    virtual std::size_t shared_bytes_of_a_multiprocessor() const = 0; // of all blocks on it
     virtual std::size_t free_bytes() const = 0;
 
     // Memory that is given back with the device. `purpose` is what the user is told where there is not enough.

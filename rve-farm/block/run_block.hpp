@@ -15,7 +15,7 @@ TALIK_BLOCK void run_block(const Team& team, const BlockSource& source, int bloc
     const BlockTask& task = source.tasks[block];
     const BlockRve& rve = source.rves[task.rve];
     BlockWork<Real> work;
-    work.template lay_out<spread>(rve.size, Physics::with_bonds, ledger, team.threads(), shared, shared_bytes, task.spread);
+    work.template lay_out<spread>(rve.size, Physics::with_bonds, team.threads(), shared, shared_bytes, task.spread);
     BlockProgram<ledger, Real, Physics, Team>(team, task, rve, physics, law, work).run(source.results[block]);
 }
 

@@ -25,6 +25,7 @@ public:
         cuda_check(cudaGetDeviceProperties(&properties, number), name_, [] { return std::string("asking for its properties"); });
         name_ = fmt::format("GPU {} ({})", number, properties.name);
         shared_bytes_ = properties.sharedMemPerBlockOptin;
+        shared_bytes_of_all_ = properties.sharedMemPerMultiprocessor;
         use();
         for (cudaStream_t& stream : streams_) check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "making a stream");
     }
@@ -38,6 +39,7 @@ public:
 
     std::string name() const override { return name_; }
     std::size_t shared_bytes_of_a_block() const override { return shared_bytes_; }
+    std::size_t shared_bytes_of_a_multiprocessor() const override { return shared_bytes_of_all_; }
     std::size_t free_bytes() const override {
         use();
         std::size_t free = 0, all = 0;
@@ -85,7 +87,7 @@ private:
 
     int number_;
     std::string name_ = "the GPU";
-    std::size_t shared_bytes_ = 0;
+    std::size_t shared_bytes_ = 0, shared_bytes_of_all_ = 0;
     std::array<cudaStream_t, streams> streams_{};
     std::vector<std::byte*> memory_, host_memory_;
 };

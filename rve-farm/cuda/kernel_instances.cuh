@@ -7,10 +7,8 @@
 
 namespace talik::farm {
 
-// In single precision three blocks of 400 discs share a multiprocessor, which leaves each thread 96 registers; otherwise there is
-// room for one block only.
 template <bool ledger, bool spread, class Real, class Physics>
-__global__ void __launch_bounds__(32 * (spread ? most_warps_spread : most_warps_in_shared), spread || sizeof(Real) == 8 ? 1 : 3)
+__global__ void __launch_bounds__(32 * warps_of_a_multiprocessor<Real>(spread), 1)
     run_chunks(BlockSource source, Physics physics, ContactLaw<double> law, std::size_t shared_bytes) {
     extern __shared__ __align__(16) unsigned char shared[];
     const CudaBlockTeam team;

@@ -80,15 +80,22 @@ TEST_CASE("a block whose disc outruns the list is taken again on a fresh one, wi
     block_suite::check_that_outrun_lists_are_made_anew({emulated()});
 }
 
-TEST_CASE("three RVEs of 400 discs in single precision share the shared memory of a multiprocessor", "[block]") {
-    const BlockSize size{13, 850, 850}; // candidates as in `rve-farm bench`
-    const int threads = block_threads(size.groups, most_warps_in_shared);
-    CHECK(threads == 7 * 32); // 13 groups in two rounds
-    BlockWork<float> work;
-    std::byte* const anywhere = reinterpret_cast<std::byte*>(std::uintptr_t{4096});
-    const auto bytes = work.lay_out<false>(size, false, false, threads, anywhere, 0, anywhere);
-    CHECK(bytes.spread == 0);
-    CHECK(3 * (bytes.shared + 1024) <= 228 * 1024); // compute capability 9.0: 228 KiB, 1 KiB of each block for the system
+TEST_CASE("a multiprocessor is filled with warps, whatever the size of RVEs", "[block]") {
+    const auto gpu = emulated();
+    const auto check = [&](int discs, Precision precision, int warps_of_a_block, int blocks) {
+        const int groups = (discs + 31) / 32, candidates = 85 * discs / 40; // as in `rve-farm bench`
+        const BlockShape shape = shape_of_block(*gpu, precision, false, {groups, candidates, candidates});
+        INFO(discs << " discs, " << name_of(precision));
+        CHECK_FALSE(shape.spread);
+        CHECK(shape.threads == 32 * warps_of_a_block);
+        const auto fit = gpu->shared_bytes_of_a_multiprocessor() / (shape.shared_bytes + shared_bytes_of_the_system);
+        const int most = (precision == Precision::single_ ? warps_of_a_multiprocessor<float>(false) : warps_of_a_multiprocessor<double>(false)) / warps_of_a_block;
+        CHECK(std::min<int>(static_cast<int>(fit), most) == blocks);
+    };
+    check(400, Precision::single_, 7, 3); // 13 groups in two rounds
+    check(1000, Precision::single_, 16, 1);
+    check(100, Precision::single_, 2, 11);
+    check(400, Precision::double_, 13, 1);
 }
 
 TEST_CASE("too little memory on a device is refused with the figure needed", "[block][errors]") {

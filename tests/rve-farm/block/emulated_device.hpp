@@ -14,6 +14,7 @@ public:
     struct Options {
         std::uint64_t seed = 1;
         std::size_t shared_bytes_of_a_block = 227 * 1024; // compute capability 9.0
+        std::size_t shared_bytes_of_a_multiprocessor = 228 * 1024;
         std::size_t memory = std::size_t{1} << 33;
     };
     EmulatedDevice() : EmulatedDevice(Options()) {}
@@ -21,6 +22,7 @@ public:
 
     std::string name() const override { return "an emulated GPU"; }
     std::size_t shared_bytes_of_a_block() const override { return options_.shared_bytes_of_a_block; }
+    std::size_t shared_bytes_of_a_multiprocessor() const override { return options_.shared_bytes_of_a_multiprocessor; }
     std::size_t free_bytes() const override { return options_.memory; }
     std::byte* allocate(std::size_t bytes, const std::string& purpose) override;
     std::byte* allocate_on_host(std::size_t bytes, const std::string& purpose) override { return allocate(bytes, purpose); }
