@@ -20,13 +20,13 @@ inline RveParameters parameters(bool bonds, bool fluctuation, double damping = 0
 }
 
 // Without devices: the plain kernel.
-inline Farm farm_on(const Devices& devices, const RveParameters& p, const std::vector<Packing>& packings, Precision precision, bool ledger = true) {
+inline Farm farm_on(const Devices& devices, const RveParameters& p, const std::vector<Packing>& packings, Precision precision, bool ledger = true, int threads = 2) {
     FarmOptions options;
     options.devices = devices;
     options.level = Level::plain;
     options.precision = precision;
     options.ledger = ledger;
-    options.threads = 2;
+    options.threads = threads;
     std::vector<int> each(packings.size());
     for (std::size_t k = 0; k < each.size(); ++k) each[k] = static_cast<int>(k);
     Farm farm(p, packings, each, options);

@@ -1,7 +1,9 @@
 #include "tests/rve-farm/block/emulated_device.hpp"
 
+#include <barrier>
 #include <cstring>
 #include <numeric>
+#include <thread>
 #include <utility>
 
 #include "common/base/error.hpp"
@@ -9,6 +11,38 @@
 #include "rve-farm/block/visit_block_physics.hpp"
 
 namespace talik::farm {
+namespace {
+
+// One thread of a block.
+class RealThread {
+public:
+    RealThread(int me, int threads, std::barrier<>& barrier, int left_out) : me_(me), threads_(threads), barrier_(barrier), left_out_(left_out) {}
+    int threads() const { return threads_; }
+
+    template <class T>
+    class Privates {
+    public:
+        explicit Privates(const RealThread&) {}
+        T& operator()(int) { return value_; }
+
+    private:
+        T value_{};
+    };
+
+    template <class Body>
+    void phase(Body&& body) const {
+        body(me_);
+        if (phase_++ != left_out_) barrier_.arrive_and_wait();
+    }
+
+private:
+    int me_, threads_;
+    std::barrier<>& barrier_;
+    int left_out_;
+    mutable int phase_ = 0;
+};
+
+} // namespace
 
 std::byte* EmulatedDevice::allocate(std::size_t bytes, const std::string&) {
     memory_.push_back(std::make_unique_for_overwrite<std::byte[]>(bytes + 256));
@@ -34,8 +68,17 @@ void EmulatedDevice::launch(int, const BlockLaunch& launch) {
         for (const int block : order) {
             const std::unique_ptr<std::byte[]> shared(new std::byte[granted]); // exactly, for the address sanitizer
             std::memset(shared.get(), 0xff, granted); // no numbers
-            const CpuBlockTeam team(launch.threads, options_.seed + static_cast<std::uint64_t>(block));
-            run_block<decltype(ledger)::value, decltype(spread)::value, Real>(team, source, block, physics, contact_law_of(*launch.parameters), shared.get(), launch.shared_bytes);
+            const auto run = [&](const auto& team) {
+                run_block<decltype(ledger)::value, decltype(spread)::value, Real>(team, source, block, physics, contact_law_of(*launch.parameters), shared.get(), launch.shared_bytes);
+            };
+            if (!options_.real_threads) {
+                run(CpuBlockTeam(launch.threads, options_.seed + static_cast<std::uint64_t>(block)));
+                continue;
+            }
+            std::barrier<> barrier(launch.threads);
+            std::vector<std::jthread> threads;
+            for (int me = 0; me < launch.threads; ++me)
+                threads.emplace_back([&, me] { run(RealThread(me, launch.threads, barrier, options_.barrier_left_out)); });
         }
     });
 }

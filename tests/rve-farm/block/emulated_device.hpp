@@ -1,6 +1,8 @@
 #pragma once
 // The CPU in the place of a GPU: the same program, block by block in scrambled order, the threads of each phase in scrambled order,
-// on shared memory of exactly the size that the block has asked for, which holds nothing when the block begins. For tests.
+// on shared memory of exactly the size that the block has asked for, which holds nothing when the block begins. Or with a thread of the
+// operating system for each thread of a block, running the whole program at once with the others and meeting them at barriers, as
+// on a GPU: for the thread sanitizer. For tests.
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -13,6 +15,8 @@ class EmulatedDevice : public Device {
 public:
     struct Options {
         std::uint64_t seed = 1;
+        bool real_threads = false;
+        int barrier_left_out = -1; // its number, a fault for tests of the tests; with real threads
         std::size_t shared_bytes_of_a_block = 227 * 1024; // compute capability 9.0
         std::size_t shared_bytes_of_a_multiprocessor = 228 * 1024;
         std::size_t memory = std::size_t{1} << 33;
