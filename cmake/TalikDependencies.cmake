@@ -20,6 +20,10 @@ if(NOT tomlplusplus_FOUND)
   pkg_check_modules(TOMLPLUSPLUS REQUIRED IMPORTED_TARGET tomlplusplus)
   add_library(tomlplusplus::tomlplusplus ALIAS PkgConfig::TOMLPLUSPLUS)
 endif()
+set(TALIK_LIBRARIES fmt::fmt spdlog::spdlog tomlplusplus::tomlplusplus hdf5::hdf5 ZLIB::ZLIB OpenMP::OpenMP_CXX)
+if(TALIK_STATIC)
+  include(TalikStatic)
+endif()
 
 # The CUDA backend is left out, with one line saying so, where no usable compiler is found.
 set(TALIK_HAS_CUDA OFF)
