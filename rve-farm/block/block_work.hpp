@@ -45,6 +45,13 @@ struct BlockAction {
 template <class Four, class Real>
 class FourColumn {
 public:
+    struct alignas(16) Piece {
+        Real part[16 / sizeof(Real)];
+    };
+    static constexpr int pieces = static_cast<int>(sizeof(Four) / sizeof(Piece));
+    static_assert(sizeof(Four) == 4 * sizeof(Real) && (pieces == 1 || pieces == 2));
+    TALIK_HOST_DEVICE static int index(int slot) { return pieces == 1 ? slot : slot + (slot & ~31); } // of its first piece
+
     TALIK_HOST_DEVICE static std::size_t bytes(std::size_t slots) { return (slots + 31) / 32 * 32 * sizeof(Four); }
     TALIK_HOST_DEVICE void lie_at(std::byte* memory) { pieces_ = reinterpret_cast<Piece*>(memory); }
 
@@ -61,12 +68,6 @@ public:
     }
 
 private:
-    struct alignas(16) Piece {
-        Real part[16 / sizeof(Real)];
-    };
-    static constexpr int pieces = static_cast<int>(sizeof(Four) / sizeof(Piece));
-    static_assert(sizeof(Four) == 4 * sizeof(Real) && (pieces == 1 || pieces == 2));
-    TALIK_HOST_DEVICE static int index(int slot) { return pieces == 1 ? slot : slot + (slot & ~31); }
     Piece* pieces_;
 };
 
