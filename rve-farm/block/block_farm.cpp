@@ -82,7 +82,7 @@ struct BlockFarm::Step {
     std::span<const std::uint32_t> ids;
     std::span<Answer> answers;
     const std::function<void()>& on_rve_done;
-    std::vector<MacroRun> runs;
+    std::span<MacroRun> runs;
 };
 
 BlockFarm::~BlockFarm() = default;
@@ -155,20 +155,20 @@ void BlockFarm::prepare_device(OnDevice& on, const Stepper& stepper, const std::
 
 void BlockFarm::advance(const Stepper& stepper, std::vector<Assembly>& assemblies, std::span<const std::uint32_t> ids, std::span<const MacroStep> steps, std::span<Answer> answers,
                         const std::function<void()>& on_rve_done) {
-    Step step{stepper, assemblies, ids, answers, on_rve_done, std::vector<MacroRun>(ids.size())};
+    if (runs_.size() < ids.size()) runs_.resize(ids.size());
+    Step step{stepper, assemblies, ids, answers, on_rve_done, std::span(runs_).first(ids.size())};
     const int count = static_cast<int>(ids.size());
 #pragma omp parallel for schedule(static) num_threads(threads_)
     for (int r = 0; r < count; ++r) {
         const auto row = static_cast<std::size_t>(r);
         step.runs[row] = MacroRun(stepper, assemblies[ids[row]], steps[row]);
+        if (step.runs[row].need() == MacroRun::Need::nothing) answers[row] = step.runs[row].answer();
     }
-    std::vector<std::vector<int>> dealt(on_.size());
-    for (int r = 0; r < count; ++r) dealt[static_cast<std::size_t>(places_[ids[static_cast<std::size_t>(r)]].device)].push_back(r);
     for (auto& on : on_) { // what an error has left behind
         on->ready.clear(), on->without_list.clear(), on->under_way.clear();
         for (auto& stream : on->streams) stream.runs.clear();
-        sort_out(*on, step, dealt[static_cast<std::size_t>(on->index)]);
     }
+    for (int r = 0; r < count; ++r) sort_out(*on_[static_cast<std::size_t>(places_[ids[static_cast<std::size_t>(r)]].device)], step, std::span(&r, 1));
     for (bool busy = true; busy;) {
         busy = false;
         for (auto& on : on_) issue(*on, step);
@@ -180,7 +180,7 @@ void BlockFarm::advance(const Stepper& stepper, std::vector<Assembly>& assemblie
     }
 }
 
-// To where each run goes next.
+// To where each run goes next. The answer of what is over has been given.
 void BlockFarm::sort_out(OnDevice& on, Step& step, std::span<const int> runs) {
     for (const int r : runs) {
         const auto row = static_cast<std::size_t>(r);
@@ -192,7 +192,6 @@ void BlockFarm::sort_out(OnDevice& on, Step& step, std::span<const int> runs) {
             (places_[step.ids[row]].newer_on_host ? on.without_list : on.ready).push_back(r);
             break;
         case MacroRun::Need::nothing:
-            step.answers[row] = step.runs[row].answer();
             if (step.on_rve_done) step.on_rve_done();
             break;
         }
@@ -219,12 +218,17 @@ void BlockFarm::issue(OnDevice& on, Step& step) {
                 continue;
             }
             shared = std::max(shared, place.shape.shared_bytes);
-            BlockTask& task = stream.tasks[stream.runs.size()];
-            task.rve = place.slot;
-            task.request = step.runs[static_cast<std::size_t>(r)].request();
-            task.numbers = step.assemblies[step.ids[static_cast<std::size_t>(r)]].numbers();
-            task.spread = spread ? stream.spread + stream.runs.size() * on.spread_bytes : nullptr;
             stream.runs.push_back(r);
+        }
+        const int blocks = static_cast<int>(stream.runs.size());
+#pragma omp parallel for schedule(static) num_threads(threads_)
+        for (int k = 0; k < blocks; ++k) {
+            const auto row = static_cast<std::size_t>(stream.runs[static_cast<std::size_t>(k)]);
+            BlockTask& task = stream.tasks[k];
+            task.rve = places_[step.ids[row]].slot;
+            task.request = step.runs[row].request();
+            task.numbers = step.assemblies[step.ids[row]].numbers();
+            task.spread = spread ? stream.spread + static_cast<std::size_t>(k) * on.spread_bytes : nullptr;
         }
         on.ready.insert(on.ready.begin(), others.begin(), others.end());
         if (spread && !said_that_some_are_spread_) {
@@ -242,7 +246,7 @@ void BlockFarm::issue(OnDevice& on, Step& step) {
         launch.rves = on.rves;
         launch.tasks = stream.tasks_there;
         launch.results = stream.results_there;
-        launch.blocks = static_cast<int>(stream.runs.size());
+        launch.blocks = blocks;
         on.device->copy_in(s, reinterpret_cast<std::byte*>(stream.tasks_there), reinterpret_cast<const std::byte*>(stream.tasks), stream.runs.size() * sizeof(BlockTask));
         on.device->launch(s, launch);
         on.device->copy_out(s, reinterpret_cast<std::byte*>(stream.results), reinterpret_cast<const std::byte*>(stream.results_there), stream.runs.size() * sizeof(BlockResult));
@@ -277,6 +281,7 @@ void BlockFarm::take_results(OnDevice& on, Step& step) {
             places_[step.ids[row]].newer_on_device = true;
         }
         run.chunk_run(outcome);
+        if (run.need() == MacroRun::Need::nothing) step.answers[row] = run.answer();
     }
     sort_out(on, step, runs);
 }
@@ -305,6 +310,7 @@ void BlockFarm::make_lists(OnDevice& on, Step& step) {
             place.newer_on_host = true;
             run.list_made(status);
         }
+        if (run.need() == MacroRun::Need::nothing) step.answers[row] = run.answer();
     }
     upload(on, step, runs);
     sort_out(on, step, runs);

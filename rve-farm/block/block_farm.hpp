@@ -66,6 +66,7 @@ private:
     std::vector<Place> places_;     // by RVE
     std::vector<BlockImage> images_; // one for all RVEs of the same sizes
     std::vector<std::unique_ptr<OnDevice>> on_;
+    std::vector<MacroRun> runs_;     // of the step under way, by row
     int threads_;
     double rebuild_seconds_ = 0;
     bool said_that_some_are_spread_ = false;
