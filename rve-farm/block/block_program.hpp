@@ -25,8 +25,9 @@ public:
         team_.phase([&](int thread) { load(thread); });
         for (int step = 0; step < request_.substeps; ++step) {
             const Real kick = step == 0 ? Real(request_.first_kick) : dt_;
-            team_.phase([&](int thread) { move_discs(thread, kick); });  // Eqs. (44)-(46)
-            team_.phase([&](int thread) { step_contacts(thread); });     // Eqs. (5)-(7)
+            const bool is_last = step + 1 == request_.substeps;
+            team_.phase([&](int thread) { move_discs(thread, kick, is_last); }); // Eqs. (44)-(46)
+            team_.phase([&](int thread) { step_contacts(thread); });             // Eqs. (5)-(7)
         }
         judge();
         if (shared_.accepted) close();
@@ -36,9 +37,7 @@ public:
 private:
     // What a thread keeps to itself.
     struct Own {
-        WorkLedger work;
         ChunkLedger booked;
-        Symmetric power;
         Real largest_squared = 0; // displacement of any of its discs, m^2
     };
 
@@ -46,10 +45,11 @@ private:
     TALIK_BLOCK bool is_single(int thread) const { return thread == threads_ - 32; }
     TALIK_BLOCK Real mass_of(Real inverse_mass) const { return inverse_mass > Real(0) ? Real(1) / inverse_mass : Real(0); }
 
-    TALIK_BLOCK void take_stretch() {
-        const Symmetric change = shared_.stretch.change();
-        shared_.discs = {Real(change.xx), Real(change.yy), Real(change.xy)};
-    }
+    TALIK_BLOCK static PlanarStretch<Real> in_short(const Symmetric& d) { return {Real(d.xx), Real(d.yy), Real(d.xy)}; }
+
+    // The work of WorkLedger, -[V_old : (U - I) + V_new : (I - U^-1) - dt sum F . (I - U^-1) v] / 2 of every sub-step, sorted by virials: each
+    // counts for the gain of its own sub-step and the change of the next, which are the same for all threads. J.
+    TALIK_BLOCK static Real contract(const PlanarStretch<Real>& d, Real xx, Real yy, Real twice_xy) { return d.xx * xx + d.yy * yy + d.xy * twice_xy; }
 
     // body(contact slot) for the contacts that the disc of a slot owns, in their order.
     template <class Body>
@@ -86,11 +86,13 @@ private:
             w_.force.put(k, force);
             w_.inverse_inertia[k] = Real(at.inverse_inertia);
         }
-        if constexpr (ledger) own_(thread).work = WorkLedger(virial);
+        const PlanarStretch<Real> change = in_short(request_.stretch.change());
+        if constexpr (ledger) own_(thread).booked.work = -contract(change, Real(virial.xx), Real(virial.yy), Real(2 * virial.xy)) / 2;
         if (!is_single(thread)) return;
         shared_.motion = ChunkMotion();
         shared_.stretch = shared_.last_stretch = request_.stretch;
-        take_stretch();
+        shared_.discs = change;
+        shared_.gained = {0, 0, 0};
     }
     TALIK_BLOCK void load_contact(int c, BlockForce<Real>& force, Virial<double>& virial) const {
         const int contact = rve_.contact[c];
@@ -108,7 +110,7 @@ private:
     }
 
     // Reads the forces of the last phase and its own discs; writes its own discs.
-    TALIK_BLOCK void move_discs(int thread, Real kick) {
+    TALIK_BLOCK void move_discs(int thread, Real kick, bool is_last) {
         const PlanarStretch<Real> d = shared_.discs;
         Real largest = own_(thread).largest_squared;
         DiscLoss<Real> loss;
@@ -128,15 +130,17 @@ private:
         own_(thread).largest_squared = largest;
         if constexpr (ledger) {
             own_(thread).booked.damping += loss.damping;
-            own_(thread).booked.work += loss.fluctuation_work;
-            own_(thread).power = {loss.power_xx, loss.power_yy, double{loss.twice_power_xy} / 2};
+            own_(thread).booked.work += loss.fluctuation_work + dt_ * contract(shared_.gained, loss.power_xx, loss.power_yy, loss.twice_power_xy) / 2;
         }
         if (!is_single(thread)) return;
         shared_.motion.advance(shared_.stretch);
         shared_.cell = shared_.motion.template as<Real>();
+        shared_.next_stretch = shared_.stretch;
+        shared_.next_stretch.turn_with_the_frame();
         if constexpr (ledger) {
-            shared_.change = shared_.stretch.change();
-            shared_.gained = shared_.stretch.change_seen_from_the_end();
+            const Symmetric gained = shared_.stretch.change_seen_from_the_end(), change = shared_.next_stretch.change();
+            shared_.next_gained = in_short(gained);
+            shared_.counted = is_last ? shared_.next_gained : in_short({gained.xx + change.xx, gained.yy + change.yy, gained.xy + change.xy});
         }
     }
 
@@ -152,15 +156,16 @@ private:
             w_.force.put(k, force);
         }
         if constexpr (ledger) {
-            Own& own = own_(thread);
-            own.booked.friction += sum.friction;
-            own.booked.bond += sum.bond;
-            own.work.sub_step(shared_.change, shared_.gained, {virial.xx, virial.yy, virial.twice_xy / 2}, own.power, request_.sub_step, own.booked);
+            ChunkLedger& booked = own_(thread).booked;
+            booked.friction += sum.friction;
+            if constexpr (bonds) booked.bond += sum.bond;
+            booked.work -= contract(shared_.counted, virial.xx, virial.yy, virial.twice_xy) / 2;
         }
         if (!is_single(thread)) return;
         shared_.last_stretch = shared_.stretch;
-        shared_.stretch.turn_with_the_frame();
-        take_stretch();
+        shared_.stretch = shared_.next_stretch;
+        shared_.discs = in_short(shared_.stretch.change());
+        if constexpr (ledger) shared_.gained = shared_.next_gained;
     }
     TALIK_BLOCK void step_contact(const CellMotion<Real>& cell, const BlockRow<Real>& owner, int c, BlockForce<Real>& force, ContactLoss<Real>& sum, ContactVirial<Real>& virial) const {
         const BlockRow<Real> partner = w_.displacement.at(w_.partner[c]);

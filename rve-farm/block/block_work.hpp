@@ -89,12 +89,13 @@ template <class Real>
 struct BlockUniforms {
     PlanarStretch<Real> discs;              // U - I of the sub-step
     CellMotion<Real> cell;                  // F - I, for the contacts
-    Symmetric change, gained;               // U - I and I - U^-1, for the ledger
+    PlanarStretch<Real> counted, gained;    // for the ledger: what a virial of this sub-step counts for; I - U^-1 of the one before
     std::int32_t accepted, finite;
     double largest_displacement;            // m
     // Of that one thread.
     ChunkMotion motion;
-    Stretch stretch, last_stretch;
+    Stretch stretch, last_stretch, next_stretch;
+    PlanarStretch<Real> next_gained;
 };
 
 // What each thread leaves at the end, in the place of the columns, which nobody needs any more.

@@ -25,6 +25,9 @@ cudaError_t launch_in(const BlockLaunch& launch, cudaStream_t stream) {
         // More than 48 KiB have to be asked for, for each kernel and device.
         error = cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(launch.shared_bytes));
         if (error != cudaSuccess) return;
+        // What a multiprocessor has of it, not of the first cache: as many blocks as it can hold.
+        error = cudaFuncSetAttribute(kernel, cudaFuncAttributePreferredSharedMemoryCarveout, cudaSharedmemCarveoutMaxShared);
+        if (error != cudaSuccess) return;
         kernel<<<static_cast<unsigned>(launch.blocks), static_cast<unsigned>(launch.threads), launch.shared_bytes, stream>>>(
             source, physics, contact_law_of(*launch.parameters), launch.shared_bytes);
         error = cudaGetLastError();
