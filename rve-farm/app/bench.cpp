@@ -81,6 +81,7 @@ public:
 
     // Windows of macro steps, forth and back in turn; the first tell how many steps a window takes, and are not counted.
     BenchRow measure() {
+        window(1); // lists, and what is done once
         int steps = 1;
         while (window(steps) < options_.window_seconds) steps *= 2;
         BenchRow row;

@@ -24,9 +24,9 @@ struct Stretch {
     // I - U^-1: what a branch of the end of the sub-step has gained by the stretch, per length.
     TALIK_HOST_DEVICE Symmetric change_seen_from_the_end() const {
         const Symmetric d = change();
-        const double determinant = (1 + d.xx) * (1 + d.yy) - d.xy * d.xy;
+        const double inverse_determinant = 1 / ((1 + d.xx) * (1 + d.yy) - d.xy * d.xy);
         const double product = d.xx * d.yy - d.xy * d.xy; // I - U^-1 = ((U - I) + det(U - I) I) / det U
-        return {(d.xx + product) / determinant, (d.yy + product) / determinant, d.xy / determinant};
+        return {(d.xx + product) * inverse_determinant, (d.yy + product) * inverse_determinant, d.xy * inverse_determinant};
     }
 
     // The same stretch in axes turned by `rotation`: the deviator turns by minus twice that.

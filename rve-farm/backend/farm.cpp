@@ -76,9 +76,15 @@ void Farm::choose_backend() {
         require_gpu(Backend::cuda);
         gpus = open_gpus();
     }
+    try {
+        if (size() > 0) blocks_ = std::make_unique<BlockFarm>(stepper_, assemblies_, gpus.devices, options_.threads);
+    } catch (const Error& problem) { // too little memory
+        if (options_.backend != Backend::automatic || !options_.devices.empty()) throw;
+        log::warn("{}: the CPU does it", problem.problem());
+        return;
+    }
     backend_in_words_ = gpus.devices.front()->name();
     if (gpus.devices.size() > 1) backend_in_words_ = fmt::format("{} GPUs, the first of them {}", gpus.devices.size(), backend_in_words_);
-    if (size() > 0) blocks_ = std::make_unique<BlockFarm>(stepper_, assemblies_, gpus.devices, options_.threads);
 }
 
 void Farm::advance(std::span<const std::uint32_t> ids, std::span<const double> increments,

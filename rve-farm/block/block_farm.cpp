@@ -15,10 +15,14 @@
 namespace talik::farm {
 namespace {
 
+constexpr std::size_t blocks_worth_a_launch = 256;
 constexpr int blocks_of_a_batch = 1024;       // some waves of the largest GPUs: the tail of one overlaps with the next
 constexpr int spread_blocks_of_a_batch = 256; // each needs working memory of its own
-constexpr int staged_images = 64;
+constexpr std::size_t most_staged_images = 64;
 constexpr int copies = Device::batch_streams; // the stream of copies besides those of batches
+
+// What takes less than a microsecond for an RVE is not worth waking a thread for a few of them.
+int threads_for(int rves, int threads) { return std::clamp(rves / 64, 1, threads); }
 
 double mebibytes(std::size_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
 
@@ -34,11 +38,11 @@ BlockShape shape_in(const Device& device, bool bonds, const BlockSize& size) {
     if (most <= budget) {
         const auto blocks = static_cast<int>(std::clamp<std::size_t>(device.shared_bytes_of_a_multiprocessor() / (most + shared_bytes_of_the_system), 1, warps));
         const int threads = block_threads(size.groups, warps / blocks);
-        return {false, threads, shared(threads), 0};
+        return {false, threads, blocks, shared(threads), 0};
     }
     const int threads = block_threads(size.groups, warps_of_a_multiprocessor<Real>(true));
     const auto used = work.template lay_out<true>(size, bonds, threads, anywhere, budget, anywhere);
-    return {true, threads, used.shared, used.spread};
+    return {true, threads, 1, used.shared, used.spread};
 }
 
 // What is not shared of a block, as if nothing were: enough for any list.
@@ -61,7 +65,7 @@ struct BlockFarm::OnDevice {
     std::byte* images = nullptr;
     BlockRve* rves = nullptr;       // on the device, by slot
     std::size_t spread_bytes = 0;   // of a block
-    std::size_t largest_image = 0;
+    std::size_t largest_image = 0, staged_images = 0;
     std::byte* staging = nullptr;   // on the host
     BlockRve* staged_rves = nullptr;
 
@@ -142,8 +146,9 @@ void BlockFarm::prepare_device(OnDevice& on, const Stepper& stepper, const std::
              "use more GPUs, fewer RVEs, or --backend cpu");
     on.images = on.device->allocate(images, "the state of the RVEs");
     on.rves = reinterpret_cast<BlockRve*>(on.device->allocate(on.ids.size() * sizeof(BlockRve), "the list of the RVEs"));
-    on.staging = on.device->allocate_on_host(staged_images * on.largest_image, "copies of RVEs");
-    on.staged_rves = reinterpret_cast<BlockRve*>(on.device->allocate_on_host(staged_images * sizeof(BlockRve), "copies of RVEs"));
+    on.staged_images = std::min(most_staged_images, on.ids.size());
+    on.staging = on.device->allocate_on_host(on.staged_images * on.largest_image, "copies of RVEs");
+    on.staged_rves = reinterpret_cast<BlockRve*>(on.device->allocate_on_host(on.staged_images * sizeof(BlockRve), "copies of RVEs"));
     for (auto& stream : on.streams) {
         stream.tasks = reinterpret_cast<BlockTask*>(on.device->allocate_on_host(blocks * sizeof(BlockTask), "tasks"));
         stream.results = reinterpret_cast<BlockResult*>(on.device->allocate_on_host(blocks * sizeof(BlockResult), "results"));
@@ -158,7 +163,7 @@ void BlockFarm::advance(const Stepper& stepper, std::vector<Assembly>& assemblie
     if (runs_.size() < ids.size()) runs_.resize(ids.size());
     Step step{stepper, assemblies, ids, answers, on_rve_done, std::span(runs_).first(ids.size())};
     const int count = static_cast<int>(ids.size());
-#pragma omp parallel for schedule(static) num_threads(threads_)
+#pragma omp parallel for schedule(static) num_threads(threads_for(count, threads_))
     for (int r = 0; r < count; ++r) {
         const auto row = static_cast<std::size_t>(r);
         step.runs[row] = MacroRun(stepper, assemblies[ids[row]], steps[row]);
@@ -173,8 +178,11 @@ void BlockFarm::advance(const Stepper& stepper, std::vector<Assembly>& assemblie
         busy = false;
         for (auto& on : on_) issue(*on, step);
         for (auto& on : on_) {
-            if (!on->without_list.empty()) make_lists(*on, step); // while others compute
-            else if (!on->under_way.empty()) take_results(*on, step);
+            if (!on->without_list.empty()) { // while others compute
+                make_lists(*on, step);
+                issue(*on, step);
+            }
+            if (!on->under_way.empty() && (on->without_list.empty() || on->device->is_done(on->under_way.front()))) take_results(*on, step);
             busy = busy || !on->under_way.empty() || !on->without_list.empty() || !on->ready.empty();
         }
     }
@@ -198,22 +206,25 @@ void BlockFarm::sort_out(OnDevice& on, Step& step, std::span<const int> runs) {
     }
 }
 
-// Launches what is ready while streams are free. A batch is of one kind: as many threads to a block, all shared or not.
+// Launches what is ready while streams are free. A batch is of one kind: as many threads to a block, as many blocks on a
+// multiprocessor, all shared or not. While lists are being made, small batches wait for more, unless the device would be idle.
 void BlockFarm::issue(OnDevice& on, Step& step) {
+    if (!on.without_list.empty() && !on.under_way.empty() && on.ready.size() < blocks_worth_a_launch) return;
     for (int s = 0; s < Device::batch_streams && !on.ready.empty(); ++s) {
         auto& stream = on.streams[s];
         if (!stream.runs.empty()) continue;
         const Stepper& stepper = step.stepper;
         const auto place_of = [&](int r) -> const Place& { return places_[step.ids[static_cast<std::size_t>(r)]]; };
-        const bool spread = place_of(on.ready.front()).shape.spread;
-        const int threads = place_of(on.ready.front()).shape.threads;
+        const BlockShape first = place_of(on.ready.front()).shape;
+        const bool spread = first.spread;
+        const int threads = first.threads;
         const std::size_t most = std::min<std::size_t>(static_cast<std::size_t>(spread ? spread_blocks_of_a_batch : blocks_of_a_batch), on.ids.size());
         std::deque<int> others;
         std::size_t shared = 0;
         for (; !on.ready.empty() && stream.runs.size() < most; on.ready.pop_front()) {
             const int r = on.ready.front();
             const Place& place = place_of(r);
-            if (place.shape.spread != spread || place.shape.threads != threads) {
+            if (place.shape.spread != spread || place.shape.threads != threads || place.shape.neighbours != first.neighbours) {
                 others.push_back(r);
                 continue;
             }
@@ -221,7 +232,7 @@ void BlockFarm::issue(OnDevice& on, Step& step) {
             stream.runs.push_back(r);
         }
         const int blocks = static_cast<int>(stream.runs.size());
-#pragma omp parallel for schedule(static) num_threads(threads_)
+#pragma omp parallel for schedule(static) num_threads(threads_for(blocks, threads_))
         for (int k = 0; k < blocks; ++k) {
             const auto row = static_cast<std::size_t>(stream.runs[static_cast<std::size_t>(k)]);
             BlockTask& task = stream.tasks[k];
@@ -264,7 +275,7 @@ void BlockFarm::take_results(OnDevice& on, Step& step) {
     stream.runs.clear();
     const ContactLaw<double> law = contact_law_of(step.stepper.parameters);
     const int count = static_cast<int>(runs.size());
-#pragma omp parallel for schedule(static) num_threads(threads_)
+#pragma omp parallel for schedule(static) num_threads(threads_for(count, threads_))
     for (int k = 0; k < count; ++k) {
         const auto row = static_cast<std::size_t>(runs[static_cast<std::size_t>(k)]);
         const BlockResult& result = stream.results[k];
@@ -291,7 +302,7 @@ void BlockFarm::make_lists(OnDevice& on, Step& step) {
     const auto begin = std::chrono::steady_clock::now();
     std::vector<int> runs;
     std::vector<std::uint32_t> ids;
-    for (; !on.without_list.empty() && runs.size() < staged_images; on.without_list.pop_front()) {
+    for (; !on.without_list.empty() && runs.size() < on.staged_images; on.without_list.pop_front()) {
         runs.push_back(on.without_list.front());
         ids.push_back(step.ids[static_cast<std::size_t>(runs.back())]);
     }
@@ -329,7 +340,7 @@ void BlockFarm::download(OnDevice& on, std::vector<Assembly>& assemblies, std::s
     if (fetched.empty()) return;
     on.device->wait(copies);
     const int count = static_cast<int>(fetched.size());
-#pragma omp parallel for schedule(static) num_threads(threads_)
+#pragma omp parallel for schedule(static) num_threads(threads_for(count, threads_))
     for (int k = 0; k < count; ++k) {
         const std::uint32_t id = fetched[static_cast<std::size_t>(k)];
         image_of(places_[id]).read_state(assemblies[id], on.staging + static_cast<std::size_t>(k) * on.largest_image);
@@ -350,7 +361,7 @@ void BlockFarm::upload(OnDevice& on, Step& step, std::span<const int> runs) {
         sent.push_back(r);
     }
     const int count = static_cast<int>(sent.size());
-#pragma omp parallel for schedule(static) num_threads(threads_)
+#pragma omp parallel for schedule(static) num_threads(threads_for(count, threads_))
     for (int k = 0; k < count; ++k) {
         const std::uint32_t id = step.ids[static_cast<std::size_t>(sent[static_cast<std::size_t>(k)])];
         Place& place = places_[id];

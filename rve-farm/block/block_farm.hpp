@@ -15,10 +15,10 @@
 
 namespace talik::farm {
 
-// How a block runs on a device: all its working memory shared, or spread; threads; bytes of both.
+// How a block runs on a device: all its working memory shared, or spread; threads; how many find room on a multiprocessor; bytes.
 struct BlockShape {
     bool spread = false;
-    int threads = 0;
+    int threads = 0, neighbours = 1;
     std::size_t shared_bytes = 0, spread_bytes = 0;
 };
 BlockShape shape_of_block(const Device& device, Precision precision, bool bonds, const BlockSize& size);

@@ -23,9 +23,10 @@ public:
     TALIK_BLOCK void run(BlockResult& result) {
         team_.phase([&](int thread) { load_list(thread); });
         team_.phase([&](int thread) { load(thread); });
-        for (int step = 0; step < request_.substeps; ++step) {
+        const int substeps = request_.substeps;
+        for (int step = 0; step < substeps; ++step) {
             const Real kick = step == 0 ? Real(request_.first_kick) : dt_;
-            const bool is_last = step + 1 == request_.substeps;
+            const bool is_last = step + 1 == substeps;
             team_.phase([&](int thread) { move_discs(thread, kick, is_last); }); // Eqs. (44)-(46)
             team_.phase([&](int thread) { step_contacts(thread); });             // Eqs. (5)-(7)
         }
@@ -178,9 +179,9 @@ private:
         const ContactMotion<Real> motion = contact_motion(cell, w_.start.at(c), radii, moved(owner, partner), memory_of_motion);
         ContactAction<Real> action;
         if constexpr (bonds) {
-            BondState<Real> bond{w_.bonded[c], beta_};
+            BondState<Real> bond{Real(w_.bonded[c]), beta_};
             action = contact_force<ledger>(physics_, motion, radii, memory.tangential_start, change, bond, old_tangential, loss);
-            w_.bonded[c] = bond.bonded;
+            w_.bonded[c] = bond.bonded > Real(0);
         } else {
             NoBondState<Real> none;
             action = contact_force<ledger>(physics_, motion, radii, memory.tangential_start, change, none, old_tangential, loss);
@@ -246,7 +247,7 @@ private:
         const BlockRow<Real> owner = w_.displacement.at(k), partner = w_.displacement.at(w_.partner[c]);
         const ContactStart<Real> start = w_.start.at(c);
         bool bonded = false;
-        if constexpr (bonds) bonded = w_.bonded[c] > Real(0);
+        if constexpr (bonds) bonded = w_.bonded[c] != 0;
         const ContactAtEnd<Real> at{start.normal_x, start.normal_y, start.inverse_length, start.overlap, {owner.radius, partner.radius},
                                     w_.memory.at(c).tangential_change, bonded, moved(owner, partner)};
         close_contact(e, law_, at, s_, contact, request_.give_back, sums);

@@ -61,7 +61,11 @@ public:
         else return {p[0].part[0], p[0].part[1], p[32].part[0], p[32].part[1]};
     }
     TALIK_HOST_DEVICE void put(int slot, const Four& four) const {
-        const auto& [a, b, c, d] = four;
+        [[maybe_unused]] auto [a, b, c, d] = four;
+#if defined(__CUDA_ARCH__) // the last is often the constant that was fetched: or the compiler would store the others by twos and ones
+        if constexpr (sizeof(Real) == 4) asm volatile("" : "+f"(d));
+        else asm volatile("" : "+d"(d));
+#endif
         Piece* p = pieces_ + index(slot);
         if constexpr (pieces == 1) p[0] = {a, b, c, d};
         else p[0] = {a, b}, p[32] = {c, d};
@@ -117,7 +121,7 @@ struct BlockWork {
     FourColumn<BlockMemory<Real>, Real> memory;
     FourColumn<ContactStart<Real>, Real> start;
     Real* inverse_inertia = nullptr;            // 2/(m r^2), 1/(kg m^2), by disc slot
-    Real* bonded = nullptr;                     // 1 or 0, by contact slot
+    std::uint8_t* bonded = nullptr;             // 1 or 0, by contact slot
     std::int32_t* group_begin = nullptr;        // contact slots, by group of discs and one more
     // short numbers
     std::uint16_t *partner = nullptr, *incoming = nullptr, *incoming_begin = nullptr;

@@ -46,7 +46,8 @@ public:
     virtual void copy_in(int stream, std::byte* device, const std::byte* host, std::size_t bytes) = 0;
     virtual void copy_out(int stream, std::byte* host, const std::byte* device, std::size_t bytes) = 0;
     virtual void launch(int stream, const BlockLaunch& launch) = 0;
-    virtual void wait(int stream) = 0; // until all that is on it is done
+    virtual bool is_done(int stream) const = 0; // all that is on it
+    virtual void wait(int stream) = 0;          // until it is
 };
 
 // The GPUs of this machine; why there are none, where there are none.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/log.hpp"
 #include "rve-farm/cuda/cuda_calls.hpp"
 #include "rve-farm/cuda/cuda_kernels.hpp"
 
@@ -20,7 +21,7 @@ namespace {
 
 class CudaDevice : public Device {
 public:
-    explicit CudaDevice(int number) : number_(number) {
+    explicit CudaDevice(int number) : number_(number), name_(fmt::format("GPU {}", number)) {
         cudaDeviceProp properties;
         cuda_check(cudaGetDeviceProperties(&properties, number), name_, [] { return std::string("asking for its properties"); });
         name_ = fmt::format("GPU {} ({})", number, properties.name);
@@ -73,6 +74,13 @@ public:
         const cudaError_t error = launch.precision == Precision::single_ ? launch_single(launch, stream_of(stream)) : launch_double(launch, stream_of(stream));
         cuda_check(error, name_, [&] { return fmt::format("launching {} blocks of {} threads and {} bytes of shared memory", launch.blocks, launch.threads, launch.shared_bytes); });
     }
+    bool is_done(int stream) const override {
+        use();
+        const cudaError_t error = cudaStreamQuery(stream_of(stream));
+        if (error != cudaErrorNotReady) check(error, "computing");
+        cudaGetLastError(); // or the launch after it would find "not ready" there
+        return error == cudaSuccess;
+    }
     void wait(int stream) override {
         use();
         check(cudaStreamSynchronize(stream_of(stream)), "computing");
@@ -86,7 +94,7 @@ private:
     cudaStream_t stream_of(int stream) const { return streams_[static_cast<std::size_t>(stream)]; }
 
     int number_;
-    std::string name_ = "the GPU";
+    std::string name_;
     std::size_t shared_bytes_ = 0, shared_bytes_of_all_ = 0;
     std::array<cudaStream_t, streams> streams_{};
     std::vector<std::byte*> memory_, host_memory_;
@@ -109,11 +117,18 @@ Gpus open_gpus() {
     if (error != cudaSuccess) return {{}, fmt::format("no GPU answers: {} ({})", cudaGetErrorString(error), cudaGetErrorName(error))};
     Gpus gpus;
     for (int number = 0; number < count; ++number) {
-        int major = 0;
-        cuda_check(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, number), fmt::format("GPU {}", number), [] { return std::string("asking for its compute capability"); });
-        if (major >= 8) gpus.devices.push_back(std::make_shared<CudaDevice>(number));
+        // One that is taken by others, full or broken is left to itself: the rest may do.
+        try {
+            int major = 0;
+            cuda_check(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, number), fmt::format("GPU {}", number), [] { return std::string("asking for its compute capability"); });
+            if (major >= 8) gpus.devices.push_back(std::make_shared<CudaDevice>(number));
+        } catch (const Error& problem) {
+            cudaGetLastError();
+            gpus.reason = problem.problem();
+        }
     }
-    if (gpus.devices.empty()) gpus.reason = count > 0 ? "the GPUs of this machine are older than compute capability 8.0" : "this machine has no GPU";
+    if (!gpus.reason.empty() && !gpus.devices.empty()) log::warn("{}; {} other GPUs are used", gpus.reason, gpus.devices.size());
+    if (gpus.devices.empty() && gpus.reason.empty()) gpus.reason = count > 0 ? "the GPUs of this machine are older than compute capability 8.0" : "this machine has no GPU";
     return gpus;
 }
 

@@ -106,6 +106,34 @@ TEST_CASE("a machine without a driver, with one that is too old, without GPUs or
     CHECK_CONTAINS(reason(machine), "older than compute capability 8.0");
 }
 
+TEST_CASE("a GPU that does not answer is left out, and where none is left or there is too little memory --backend auto takes the CPU", "[gpu-calls][errors]") {
+    Machine machine;
+    machine.gpus = 3;
+    stand_in::set(machine);
+    open_gpus();
+    const int calls = stand_in::calls() / 3;
+    machine.failing_call = calls + 4; // of the second
+    stand_in::set(machine);
+    CHECK(open_gpus().devices.size() == 2);
+    FarmOptions options;
+    options.backend = Backend::automatic;
+    options.threads = 1;
+    const auto on_gpu = [&](const Machine& now) {
+        stand_in::set(now);
+        Farm farm(RveParameters(), {samples::disordered(31)}, std::vector<int>(8, 0), options);
+        block_suite::step_all(farm, 1, 1e-3, 10);
+        return farm.on_gpu();
+    };
+    CHECK(on_gpu({}));
+    machine = {};
+    machine.failing_call = 4;
+    CHECK_FALSE(on_gpu(machine));
+    machine = {};
+    machine.memory = 100000;
+    CHECK_FALSE(on_gpu(machine));
+    stand_in::set({});
+}
+
 TEST_CASE("a GPU with too little memory is refused before anything is taken, with the figure needed", "[gpu-calls][errors]") {
     Machine machine;
     machine.memory = 1000000;

@@ -103,7 +103,7 @@ Traffic traffic_of(Assembly& rve, const EmulatedDevice& gpu, bool bonds, bool le
             for (int lane = 0; lane < 32; ++lane) partners.push_back(layout.partner[static_cast<std::size_t>(c + lane)] / 4);
             // partner and its displacement; start, memory twice, action; f_t; bond twice
             t.wavefronts += 1 + wavefronts_of_fours<Real>(partners) + 4 * own + (ledger ? wavefronts(std::vector<std::uintptr_t>{0, 16, 32, 48, 64, 80, 96, 112, 128, 144, 160, 176, 192, 208, 224, 240}, 4) * 2 : 0) +
-                            (bonds ? 2 * number : 0);
+                            (bonds ? 2 : 0);
         }
     }
     return t;
