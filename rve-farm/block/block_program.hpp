@@ -88,7 +88,7 @@ private:
             w_.inverse_inertia[k] = Real(at.inverse_inertia);
         }
         const PlanarStretch<Real> change = in_short(request_.stretch.change());
-        if constexpr (ledger) own_(thread).booked.work = -contract(change, Real(virial.xx), Real(virial.yy), Real(2 * virial.xy)) / 2;
+        if (ledger && request_.substeps > 0) own_(thread).booked.work = -contract(change, Real(virial.xx), Real(virial.yy), Real(2 * virial.xy)) / 2;
         if (!is_single(thread)) return;
         shared_.motion = ChunkMotion();
         shared_.stretch = shared_.last_stretch = request_.stretch;
