@@ -47,6 +47,12 @@ struct AssemblyView {
     TALIK_HOST_DEVICE int contact_count() const { return static_cast<int>(numbers->contact_count); }
 };
 
+// One component of the branch from one disc to the image of another, m.
+template <class Real>
+TALIK_HOST_DEVICE Real branch_component(Real from, Real to, Real first_column, Real second_column, Real image_x, Real image_y) {
+    return to - from + (first_column * image_x + second_column * image_y);
+}
+
 // Where a contact stands, from the positions.
 struct ContactGeometry {
     double x, y, length, overlap; // branch, its length, delta = r_i + r_j - |b|: m
@@ -55,8 +61,8 @@ TALIK_HOST_DEVICE ContactGeometry geometry_of(const AssemblyView& s, int c) {
     const AssemblyNumbers& n = *s.numbers;
     const int i = s.first[c], j = s.second[c];
     const double image_x = s.image_x[c], image_y = s.image_y[c];
-    const double x = s.x[j] - s.x[i] + (n.cell_xx * image_x + n.cell_xy * image_y);
-    const double y = s.y[j] - s.y[i] + (n.cell_yx * image_x + n.cell_yy * image_y);
+    const double x = branch_component(s.x[i], s.x[j], n.cell_xx, n.cell_xy, image_x, image_y);
+    const double y = branch_component(s.y[i], s.y[j], n.cell_yx, n.cell_yy, image_x, image_y);
     const double length = std::sqrt(x * x + y * y);
     return {x, y, length, s.radius[i] + s.radius[j] - length};
 }

@@ -79,13 +79,15 @@ private:
         Virial<double> virial;
         for (int k = thread; k < discs_; k += threads_) {
             const int i = rve_.disc[k];
-            const DiscAtStart at = i < 0 ? DiscAtStart{} : disc_at_start(s_, i);
+            const bool there = i >= 0;
+            const double inverse_mass = there ? 1 / s_.mass[i] : 0;
             BlockForce<Real> force{0, 0, 0, 0};
             each_owned(k, [&](int c) { load_contact(c, force, virial); });
-            w_.displacement.put(k, {0, 0, 0, i < 0 ? Real(0) : Real(s_.radius[i])});
-            w_.motion.put(k, {Real(at.velocity_x), Real(at.velocity_y), Real(at.spin), Real(at.inverse_mass)});
+            w_.displacement.put(k, {0, 0, 0, there ? Real(s_.radius[i]) : Real(0)});
+            if (there) w_.motion.put(k, {Real(s_.velocity_x[i]), Real(s_.velocity_y[i]), Real(s_.spin[i]), Real(inverse_mass)});
+            else w_.motion.put(k, {0, 0, 0, 0});
             w_.force.put(k, force);
-            w_.inverse_inertia[k] = Real(at.inverse_inertia);
+            w_.inverse_inertia[k] = there ? Real(inverse_inertia(inverse_mass, s_.radius[i])) : Real(0);
         }
         const PlanarStretch<Real> change = in_short(request_.stretch.change());
         if (ledger && request_.substeps > 0) own_(thread).booked.work = -contract(change, Real(virial.xx), Real(virial.yy), Real(2 * virial.xy)) / 2;
@@ -97,16 +99,14 @@ private:
     }
     TALIK_BLOCK void load_contact(int c, BlockForce<Real>& force, Virial<double>& virial) const {
         const int contact = rve_.contact[c];
-        const ContactAtStart at = contact < 0 ? ContactAtStart::inert() : contact_at_start(s_, contact, rve_.turned[c] != 0, law_);
+        const StoredContact<double, bool> stored = contact < 0 ? inert_contact() : stored_contact(s_, contact, rve_.turned[c] != 0);
+        const ContactAtStart<double> at = contact_at_start(stored, law_);
         w_.partner[c] = rve_.partner[c];
         w_.start.put(c, {Real(at.start.normal_x), Real(at.start.normal_y), Real(at.start.inverse_length), Real(at.start.overlap)});
         w_.memory.put(c, {0, 0, 0, Real(at.tangential)});
         w_.action.put(c, {Real(at.force_x), Real(at.force_y), Real(at.partner_torque), Real(at.tangential)});
-        if constexpr (bonds) w_.bonded[c] = at.bonded ? 1 : 0;
-        if constexpr (ledger) {
-            const Virial<double> own = at.virial();
-            virial.xx += own.xx, virial.yy += own.yy, virial.xy += own.xy;
-        }
+        if constexpr (bonds) w_.bonded[c] = stored.bonded ? 1 : 0;
+        if constexpr (ledger) virial.add_contact(at.force_x, at.force_y, stored.x, stored.y);
         add_owned(force, Real(at.force_x), Real(at.force_y), Real(at.owner_torque));
     }
 
@@ -236,21 +236,19 @@ private:
                 const BlockRow<Real> row = w_.displacement.at(k);
                 const BlockMotion<Real> motion = w_.motion.at(k);
                 const DiscAtEnd<Real> at{row.x, row.y, motion.x, motion.y, motion.spin, force.x, force.y, force.torque};
-                close_disc(shared_.motion, at, last_sub_step, Physics::with_fluctuation, s_, i, request_.give_back, own.discs, own.largest_drift_squared);
+                close_disc(shared_.motion, at, last_sub_step, Physics::with_fluctuation, s_, i, request_.give_back, own.discs);
             }
         });
         team_.phase([&](int thread) { reinterpret_cast<ChunkSums*>(w_.scratch)[thread] = sums(thread); });
     }
-    TALIK_BLOCK void close_owned(const CellMotion<Real>& e, int k, int c, ContactSums& sums) {
+    TALIK_BLOCK void close_owned(const CellMotion<Real>& e, int k, int c, ContactSums<double>& sums) {
         const int contact = rve_.contact[c];
         if (contact < 0) return;
         const BlockRow<Real> owner = w_.displacement.at(k), partner = w_.displacement.at(w_.partner[c]);
-        const ContactStart<Real> start = w_.start.at(c);
         bool bonded = false;
         if constexpr (bonds) bonded = w_.bonded[c] != 0;
-        const ContactAtEnd<Real> at{start.normal_x, start.normal_y, start.inverse_length, start.overlap, {owner.radius, partner.radius},
-                                    w_.memory.at(c).tangential_change, bonded, moved(owner, partner)};
-        close_contact(e, law_, at, s_, contact, request_.give_back, sums);
+        const ContactAtEnd<Real> at{w_.start.at(c), {owner.radius, partner.radius}, w_.memory.at(c).tangential_change, moved(owner, partner)};
+        close_contact(e, law_, at, bonded, s_, contact, request_.give_back, sums);
     }
 
     // Sums in the order of the threads, each by one of them.

@@ -103,7 +103,7 @@ struct BlockUniforms {
 };
 
 // What each thread leaves at the end, in the place of the columns, which nobody needs any more.
-static_assert(offsetof(ChunkSums, largest_drift_squared) == sizeof(ChunkSums) - sizeof(double), "the last number is a maximum, the others are sums");
+static_assert(offsetof(ChunkSums, discs) + offsetof(DiscSums<double>, largest_drift_squared) == sizeof(ChunkSums) - sizeof(double), "the last number is a maximum, the others are sums");
 struct BlockScratch {
     static constexpr int sums = sizeof(ChunkSums) / sizeof(double);
     TALIK_HOST_DEVICE static std::size_t bytes(int threads) { return static_cast<std::size_t>(threads) * sizeof(ChunkSums); }

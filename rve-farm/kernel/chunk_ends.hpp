@@ -59,110 +59,137 @@ private:
     bool begun_ = false;
 };
 
-struct DiscAtStart {
-    double velocity_x, velocity_y, spin;   // m/s, m/s, 1/s
-    double inverse_mass, inverse_inertia;  // 1/kg, 1/(kg m^2)
+// 1 / I of a disc about its axis, I = m r^2 / 2, 1/(kg m^2).
+template <class Real>
+TALIK_HOST_DEVICE Real inverse_inertia(Real inverse_mass, Real radius) { return Real(2) * inverse_mass / (radius * radius); }
+
+// A candidate as the state has it, from its owner to its partner. f_t is the same from both ends.
+template <class Real, class Condition>
+struct StoredContact {
+    Real x, y;                // branch, m
+    ContactRadii<Real> radii; // m
+    Real tangential;          // f_t, N
+    Condition bonded;
 };
-TALIK_HOST_DEVICE DiscAtStart disc_at_start(const AssemblyView& s, int i) {
-    const double inverse_mass = 1 / s.mass[i];
-    return {s.velocity_x[i], s.velocity_y[i], s.spin[i], inverse_mass, 2 * inverse_mass / (s.radius[i] * s.radius[i])}; // 1 / (m r^2 / 2)
+TALIK_HOST_DEVICE StoredContact<double, bool> stored_contact(const AssemblyView& s, int c, bool turned) {
+    const int owner = turned ? s.second[c] : s.first[c], partner = turned ? s.first[c] : s.second[c];
+    const ContactGeometry g = geometry_of(s, c);
+    return {turned ? -g.x : g.x, turned ? -g.y : g.y, {s.radius[owner], s.radius[partner]}, s.tangential_force[c], is_bonded(s, c)};
 }
+// Far apart and without a bond, for slots without a contact.
+TALIK_HOST_DEVICE StoredContact<double, bool> inert_contact() { return {1, 0, {0, 0}, 0, false}; }
 
 // A contact at the start, from its owner to its partner.
+template <class Real>
 struct ContactAtStart {
-    ContactStart<double> start;
-    double tangential;                                     // f_t0, N
-    double force_x, force_y, partner_torque, owner_torque; // N, N m
-    bool bonded;
-
-    TALIK_HOST_DEVICE Virial<double> virial() const { // f x b, J
-        Virial<double> sum;
-        sum.add_contact(force_x, force_y, start.normal_x / start.inverse_length, start.normal_y / start.inverse_length);
-        return sum;
-    }
-    // Far apart and without a bond, for slots without a contact.
-    TALIK_HOST_DEVICE static ContactAtStart inert() { return {{1, 0, 1, -1}, 0, 0, 0, 0, 0, false}; }
+    ContactStart<Real> start;
+    Real tangential;                                     // f_t0, N
+    Real force_x, force_y, owner_torque, partner_torque; // N, N m
 };
 
-// Branch and overlap in double, force of the positions without slip or breaking: what the first kick needs.
-TALIK_HOST_DEVICE ContactAtStart contact_at_start(const AssemblyView& s, int c, bool turned, const ContactLaw<double>& law) {
-    const double sign = turned ? -1 : 1; // from the other end: branch the other way, f_t the same
-    const ContactGeometry g = geometry_of(s, c);
-    const double inverse = sign / g.length, nx = g.x * inverse, ny = g.y * inverse;
-    const double first = s.radius[s.first[c]], second = s.radius[s.second[c]];
-    const double difference = sign * (first - second) / 2; // m
-    const bool loaded = g.overlap > 0 || is_bonded(s, c);
-    const double fn = loaded ? law.normal_stiffness * g.overlap : 0, ft = loaded ? s.tangential_force[c] : 0; // N
-    ContactAtStart at;
-    at.start = {nx, ny, sign * inverse, g.overlap};
-    at.tangential = ft;
-    at.force_x = fn * nx - ft * ny;
-    at.force_y = fn * ny + ft * nx;
-    at.partner_torque = -ft * (g.length / 2 - difference);
-    at.owner_torque = -ft * (g.length / 2 + difference);
-    at.bonded = is_bonded(s, c);
-    return at;
+// Branch and overlap, and the force of the positions without slip or breaking: what the first kick needs.
+template <class Real, class Condition>
+TALIK_HOST_DEVICE ContactAtStart<Real> contact_at_start(const StoredContact<Real, Condition>& c, const ContactLaw<Real>& law) {
+    const Real length = root(c.x * c.x + c.y * c.y), inverse = Real(1) / length, nx = c.x * inverse, ny = c.y * inverse;
+    const Real overlap = (c.radii.owner + c.radii.partner) - length;
+    const auto loaded = c.bonded | (overlap > Real(0));
+    const Real fn = choose(loaded, law.normal_stiffness * overlap, Real(0)), ft = choose(loaded, c.tangential, Real(0)); // N
+    const ContactArms<Real> arm(c.radii, overlap);
+    return {{nx, ny, inverse, overlap}, ft, fn * nx - ft * ny, fn * ny + ft * nx, -ft * arm.owner, -ft * arm.partner};
 }
 
 // Over the contacts of the end.
+template <class Real>
 struct ContactSums {
-    Virial<double> virial;                     // sum f x b, J
-    double fabric_xx = 0, fabric_yy = 0, fabric_xy = 0; // sum b x b over those with force, m^2
-    double force = 0, stored_energy = 0;       // sum |f|, N; J
-    double contacts = 0, bonds = 0;
+    Virial<Real> virial;                                                  // sum f x b, J
+    Real fabric_xx = Real(0), fabric_yy = Real(0), fabric_xy = Real(0); // sum b x b over those with force, m^2
+    Real force = Real(0), stored_energy = Real(0);                       // sum |f|, N; J
+    Real contacts = Real(0), bonds = Real(0);
 };
 
 // What the kernel has of a contact at the end.
 template <class Real>
 struct ContactAtEnd {
-    Real normal_x, normal_y, inverse_length, overlap; // of the start
+    ContactStart<Real> start;
     ContactRadii<Real> radii;
     Real tangential_change; // N
-    bool bonded;
     RelativeMotion<Real> moved;
 };
 
-// The contact as it is at the end, in double from what the kernel has carried; given back if asked for.
+// Where its branch is then, in the numbers of the kernel.
 template <class Real>
-TALIK_HOST_DEVICE void close_contact(const CellMotion<Real>& e, const ContactLaw<double>& law, const ContactAtEnd<Real>& at, AssemblyView& s, int c, bool give_back,
-                                     ContactSums& sums) {
-    const Real nx = at.normal_x, ny = at.normal_y;
-    const Real gx = (e.xx * nx + e.xy * ny) + at.moved.x * at.inverse_length;
-    const Real gy = (e.yx * nx + e.yy * ny) + at.moved.y * at.inverse_length;
-    const BranchMotion<Real> branch(nx * gx + ny * gy, nx * gy - ny * gx);
-    const double length_at_start = static_cast<double>(at.radii.owner) + at.radii.partner - at.overlap, elongation = length_at_start * branch.strain; // m
-    const double overlap = at.overlap - elongation;
-    const bool loaded = at.bonded || overlap > 0;
-    // f_t = f_t0 in double + its change; and within the Coulomb limit to the last digit.
-    double ft = 0;
-    const double fn = loaded ? law.normal_stiffness * overlap : 0; // N
-    if (loaded) {
-        const double rolled = law.tangential_stiffness * ((static_cast<double>(at.radii.owner) - at.radii.partner) / 2 * at.moved.rotation_difference);
-        ft = s.tangential_force[c] + (at.tangential_change + rolled);
-        if (!at.bonded) ft = law.limited({fn, ft}).tangential;
+struct BranchAtEnd {
+    Real normal_x, normal_y, strain; // n, |b| / |b0| - 1
+
+    TALIK_HOST_DEVICE BranchAtEnd(const CellMotion<Real>& e, const ContactAtEnd<Real>& at) {
+        const Real nx = at.start.normal_x, ny = at.start.normal_y;
+        const Real gx = (e.xx * nx + e.xy * ny) + at.moved.x * at.start.inverse_length;
+        const Real gy = (e.yx * nx + e.yy * ny) + at.moved.y * at.start.inverse_length;
+        const BranchMotion<Real> branch(nx * gx + ny * gy, nx * gy - ny * gx);
+        normal_x = (nx + gx) * branch.inverse_stretch;
+        normal_y = (ny + gy) * branch.inverse_stretch;
+        strain = branch.strain;
     }
-    if (give_back) {
-        s.tangential_force[c] = ft;
-        if (s.bonded) s.bonded[c] = at.bonded;
-    }
-    sums.bonds += at.bonded;
-    if (!loaded) return;
-    const double mx = (nx + gx) * branch.inverse_stretch, my = (ny + gy) * branch.inverse_stretch;
-    const double length = length_at_start + elongation, bx = length * mx, by = length * my;
-    sums.virial.add_contact(fn * mx - ft * my, fn * my + ft * mx, bx, by);
-    sums.fabric_xx += bx * bx, sums.fabric_yy += by * by, sums.fabric_xy += bx * by;
+};
+
+// The same, and what the state remembers, in double.
+template <class Wide, class Condition>
+struct ContactToClose {
+    Wide normal_x, normal_y, strain;
+    Wide overlap_at_start;      // m
+    ContactRadii<Wide> radii;   // m
+    Wide tangential_change;     // N
+    Wide rotation_difference;   // theta_i - theta_j, rad
+    Wide tangential_at_start;   // f_t0 of the state, N
+    Condition bonded;
+};
+
+// The contact as it is at the end, in double from what the kernel has carried. Returns f_t: f_t0 in double + its change; and within
+// the Coulomb limit to the last digit, N.
+template <class Wide, class Condition>
+TALIK_HOST_DEVICE Wide close_contact(const ContactLaw<Wide>& law, const ContactToClose<Wide, Condition>& c, ContactSums<Wide>& sums) {
+    const Wide length_at_start = (c.radii.owner + c.radii.partner) - c.overlap_at_start, elongation = length_at_start * c.strain; // m
+    const Wide overlap = c.overlap_at_start - elongation;
+    const auto loaded = c.bonded | (overlap > Wide(0));
+    const Wide fn = choose(loaded, law.normal_stiffness * overlap, Wide(0)); // N
+    const Wide rolled = law.tangential_stiffness * (Wide(0.5) * (c.radii.owner - c.radii.partner) * c.rotation_difference);
+    const Wide carried = c.tangential_at_start + (c.tangential_change + rolled);
+    const Wide held = choose(c.bonded, carried, law.limited({fn, carried}).tangential);
+    const Wide ft = choose(loaded, held, Wide(0));
+    const Wide length = length_at_start + elongation, bx = length * c.normal_x, by = length * c.normal_y;
+    const Wide one = choose(loaded, Wide(1), Wide(0));
+    sums.virial.add_contact(fn * c.normal_x - ft * c.normal_y, fn * c.normal_y + ft * c.normal_x, bx, by);
+    sums.fabric_xx += one * bx * bx, sums.fabric_yy += one * by * by, sums.fabric_xy += one * bx * by;
     sums.stored_energy += law.stored_energy({fn, ft});
-    sums.force += std::sqrt(fn * fn + ft * ft);
-    sums.contacts += 1;
+    sums.force += root(fn * fn + ft * ft);
+    sums.contacts += one;
+    sums.bonds += choose(c.bonded, Wide(1), Wide(0));
+    return ft;
+}
+
+// One contact of the state closed, and given back if asked for.
+template <class Real>
+TALIK_HOST_DEVICE void close_contact(const CellMotion<Real>& e, const ContactLaw<double>& law, const ContactAtEnd<Real>& at, bool bonded, AssemblyView& s, int c,
+                                     bool give_back, ContactSums<double>& sums) {
+    const BranchAtEnd<Real> branch(e, at);
+    const ContactToClose<double, bool> closing{branch.normal_x, branch.normal_y, branch.strain, at.start.overlap, {at.radii.owner, at.radii.partner},
+                                               at.tangential_change, at.moved.rotation_difference, s.tangential_force[c], bonded};
+    const double ft = close_contact(law, closing, sums);
+    if (!give_back) return;
+    s.tangential_force[c] = ft;
+    if (s.bonded) s.bonded[c] = bonded;
 }
 
 // Over the discs of the end.
+template <class Real>
 struct DiscSums {
-    Virial<double> fluctuation;                      // sum m v_f x v_f, J; only with the fluctuation effect
-    double kinetic = 0, unbalanced = 0;              // J; sum |F|, N
-    double force_xx = 0, force_yy = 0, force_xy = 0; // sum of F x v_f, symmetric part, W: for the ledger
+    Virial<Real> fluctuation;                                             // sum m v_f x v_f, J; only with the fluctuation effect
+    Real kinetic = Real(0), unbalanced = Real(0);                        // J; sum |F|, N
+    Real force_xx = Real(0), force_yy = Real(0), force_xy = Real(0);    // sum of F x v_f, symmetric part, W: for the ledger
+    Real largest_drift_squared = Real(0);                                // since the list was built, m^2
 };
 
+// What the kernel has of a disc at the end.
 template <class Real>
 struct DiscAtEnd {
     Real displacement_x, displacement_y;  // w, non-affine, m
@@ -170,39 +197,49 @@ struct DiscAtEnd {
     Real force_x, force_y, torque;        // N, N, N m
 };
 
+// What the state has of it.
+template <class Real>
+struct StoredDisc {
+    Real x, y, drift_x, drift_y, radius, mass; // m, kg
+};
+
 // The disc at the end: x <- F x + w (Eq. 45), and what it adds to the answer. Velocities are half a sub-step behind the
 // positions: m v . (v + dt F/m) / 2 is the kinetic energy at the positions' time that leapfrog conserves together with the
 // springs'; it differs from m v^2 / 2 by the square of the step.
 template <class Real>
-TALIK_HOST_DEVICE void close_disc(const ChunkMotion& cell, const DiscAtEnd<Real>& at, double last_sub_step, bool fluctuation, AssemblyView& s, int i, bool give_back,
-                                  DiscSums& sums, double& largest_drift_squared) {
-    const double fx = at.force_x, fy = at.force_y, torque = at.torque;
-    const double vx = at.velocity_x, vy = at.velocity_y, spin = at.spin;
-    const double m = s.mass[i], inertia = m * s.radius[i] * s.radius[i] / 2; // kg, kg m^2
-    const double power = fx * vx + fy * vy + torque * spin;                  // W
-    sums.kinetic += (m * (vx * vx + vy * vy) + inertia * spin * spin + last_sub_step * power) / 2;
-    sums.unbalanced += std::sqrt(fx * fx + fy * fy);
-    sums.force_xx += fx * vx, sums.force_yy += fy * vy, sums.force_xy += (fx * vy + fy * vx) / 2;
+TALIK_HOST_DEVICE void close_disc(const CellMotion<Real>& e, const DiscAtEnd<Real>& at, Real last_sub_step, bool fluctuation, StoredDisc<Real>& disc, DiscSums<Real>& sums) {
+    const Real fx = at.force_x, fy = at.force_y, vx = at.velocity_x, vy = at.velocity_y, wx = at.displacement_x, wy = at.displacement_y;
+    const Real m = disc.mass, inertia = Real(0.5) * m * disc.radius * disc.radius; // kg, kg m^2
+    const Real power = fx * vx + fy * vy + at.torque * at.spin;                    // W
+    sums.kinetic += Real(0.5) * (m * (vx * vx + vy * vy) + inertia * at.spin * at.spin + last_sub_step * power);
+    sums.unbalanced += root(fx * fx + fy * fy);
+    sums.force_xx += fx * vx, sums.force_yy += fy * vy, sums.force_xy += Real(0.5) * (fx * vy + fy * vx);
     if (fluctuation) sums.fluctuation.add_fluctuation(m, vx, vy);
+    const Real x = disc.x, y = disc.y, dx = disc.drift_x, dy = disc.drift_y;
+    disc.x = x + (e.xx * x + e.xy * y + wx);
+    disc.y = y + (e.yx * x + e.yy * y + wy);
+    disc.drift_x = dx + (e.xx * dx + e.xy * dy + wx);
+    disc.drift_y = dy + (e.yx * dx + e.yy * dy + wy);
+    sums.largest_drift_squared = larger(sums.largest_drift_squared, disc.drift_x * disc.drift_x + disc.drift_y * disc.drift_y);
+}
+
+// One disc of the state closed, and given back if asked for.
+template <class Real>
+TALIK_HOST_DEVICE void close_disc(const ChunkMotion& cell, const DiscAtEnd<Real>& at, double last_sub_step, bool fluctuation, AssemblyView& s, int i, bool give_back,
+                                  DiscSums<double>& sums) {
+    StoredDisc<double> disc{s.x[i], s.y[i], s.drift_x[i], s.drift_y[i], s.radius[i], s.mass[i]};
+    const DiscAtEnd<double> end{at.displacement_x, at.displacement_y, at.velocity_x, at.velocity_y, at.spin, at.force_x, at.force_y, at.torque};
+    close_disc(cell.template as<double>(), end, last_sub_step, fluctuation, disc, sums);
     if (!give_back) return;
-    const double wx = at.displacement_x, wy = at.displacement_y, x = s.x[i], y = s.y[i], dx = s.drift_x[i], dy = s.drift_y[i];
-    s.x[i] = x + (cell.xx * x + cell.xy * y + wx);
-    s.y[i] = y + (cell.yx * x + cell.yy * y + wy);
-    s.drift_x[i] = dx + (cell.xx * dx + cell.xy * dy + wx);
-    s.drift_y[i] = dy + (cell.yx * dx + cell.yy * dy + wy);
-    s.velocity_x[i] = vx;
-    s.velocity_y[i] = vy;
-    s.spin[i] = spin;
-    const double squared = s.drift_x[i] * s.drift_x[i] + s.drift_y[i] * s.drift_y[i];
-    largest_drift_squared = squared > largest_drift_squared ? squared : largest_drift_squared;
+    s.x[i] = disc.x, s.y[i] = disc.y, s.drift_x[i] = disc.drift_x, s.drift_y[i] = disc.drift_y;
+    s.velocity_x[i] = end.velocity_x, s.velocity_y[i] = end.velocity_y, s.spin[i] = end.spin;
 }
 
 // All that a chunk leaves besides the state of contacts and discs.
 struct ChunkSums {
     ChunkLedger ledger;
-    ContactSums contacts;
-    DiscSums discs;
-    double largest_drift_squared = 0; // since the list was built, m^2
+    ContactSums<double> contacts;
+    DiscSums<double> discs;
 };
 
 } // namespace talik::farm

@@ -8,7 +8,7 @@ namespace {
 // Upper bound of the P-wave modulus, Pa: max(k_n, k_t) times the largest eigenvalue of (1/V) sum b x b. The acoustic
 // tensor of the affine (Voigt) stiffness in direction d, (1/V) sum (b.d)^2 (k_n n n + k_t t t), has no larger eigenvalue,
 // and equals it where k_n = k_t; non-affine motion only softens it.
-inline double stiffness_bound(const ContactSums& sums, const ContactLaw<double>& law, double volume) {
+inline double stiffness_bound(const ContactSums<double>& sums, const ContactLaw<double>& law, double volume) {
     const double mean = (sums.fabric_xx + sums.fabric_yy) / 2, half = (sums.fabric_xx - sums.fabric_yy) / 2;
     const double largest = mean + std::sqrt(half * half + sums.fabric_xy * sums.fabric_xy);
     return larger(law.normal_stiffness, law.tangential_stiffness) * largest / volume;
@@ -49,7 +49,7 @@ void conclude(const ChunkRequest& request, const ChunkMotion& cell, const Contac
     n.bond_dissipation += ledger.bond;
     n.damping_dissipation += ledger.damping;
     n.work += ledger.work;
-    if (request.give_back) n.displacement_bound = std::sqrt(sums.largest_drift_squared);
+    if (request.give_back) n.displacement_bound = std::sqrt(sums.discs.largest_drift_squared);
 
     Virial<double> virial = sums.contacts.virial;
     virial.xx += sums.discs.fluctuation.xx, virial.yy += sums.discs.fluctuation.yy, virial.xy += sums.discs.fluctuation.xy;

@@ -8,15 +8,10 @@
 
 #include "rve-farm/kernel/chunk.hpp"
 #include "rve-farm/kernel/disc_step.hpp"
-#include "rve-farm/kernel/lanes.hpp"
+#include "rve-farm/kernel/lane_ends.hpp"
 #include "rve-farm/physics/physics_choice.hpp"
 
 namespace talik::farm::inline HWY_NAMESPACE {
-
-struct ThisLevel {}; // keeps the code of this level apart
-
-template <class T>
-using LaneWork = Work<T, ThisLevel>;
 
 // Running over the discs.
 template <class T>
@@ -45,13 +40,7 @@ HWY_INLINE DiscSweep<T> move_run(const Physics& physics, const DiscConstants<T> 
     T* HWY_RESTRICT moved = w.moved;
     for (int k = run.first_slot, end = run.first_slot + run.sets * P::lanes; k < end; k += P::lanes, incoming += degree * P::lanes) {
         P force[3] = {P::load(w.force + k), P::load(w.force + n + k), P::load(w.force + 2 * n + k)};
-        if (degree > 0) {
-            RowsOfLanes<T> sum(rows, incoming);
-            for (int m = 1; m < degree; ++m) sum += RowsOfLanes<T>(rows, incoming + m * P::lanes);
-            P x, y, torque, nothing;
-            sum.transpose(x.v, y.v, torque.v, nothing.v);
-            force[0] += x, force[1] += y, force[2] += torque;
-        }
+        add_incoming(rows, incoming, degree, force);
         const P inverse_mass = P::load(w.inverse_mass + k);
         P mass;
         if constexpr (ledger && Physics::with_fluctuation) mass = P::load(w.mass + k);
@@ -238,21 +227,14 @@ template <bool ledger, class T, class Physics>
 ChunkOutcome run_lanes(const Physics& physics, const ContactLaw<double>& law, const ChunkRequest& request, AssemblyView& s, const ColumnChoice& columns,
                        const SlotLayout& layout, WorkMemory& memory) {
     using P = Pack<T>;
-    const SerialTeam team;
     StageClock<ThisLevel> clock(request.time_stages);
     LaneWork<T> w(memory, layout, columns, ledger, false);
-    load_discs(team, s, layout, w);
-    load_contacts(team, s, layout, law, w);
-    for (int a = 0; a < 4; ++a) w.contact_force[4 * w.contact_slots + a] = 0;
-    for (int k = 0; k < w.disc_slots; ++k) {
-        T sum[3] = {0, 0, 0};
-        add_owned(w, layout, k, sum);
-        for (int a = 0; a < 3; ++a) w.force[a * w.disc_slots + k] = sum[a];
-    }
+    load_discs(s, layout, w);
+    const Virial<double> at_start = load_contacts<ledger, Physics::with_bonds>(s, layout, law, w);
     ChunkOutcome outcome;
     ChunkMotion cell;
     ChunkLedger booked;
-    WorkLedger work(ledger ? virial_at_start(w, layout) : Virial<double>{});
+    WorkLedger work(at_start);
     Stretch stretch = request.stretch;
     // A copy, which no store to the columns can change: so the constants stay in registers.
     const farm::Physics<decltype(physics.bond), NoDamping, NoFluctuation, P> contacts{physics.contact, physics.bond, {}, {}};
@@ -277,7 +259,10 @@ ChunkOutcome run_lanes(const Physics& physics, const ContactLaw<double>& law, co
         stretch.turn_with_the_frame();
     }
     outcome.stretch = stretch;
-    finish(request, clock, cell, law, layout, w, s, booked, std::sqrt(largest_squared.largest()), outcome);
+    finish(request, clock, cell, law, s, booked, std::sqrt(largest_squared.largest()), displacements_are_finite(w), outcome, [&](ChunkSums& total) {
+        close_contacts<ledger, Physics::with_bonds>(cell, layout, law, w, s, request.give_back, total.contacts);
+        close_discs<Physics::with_fluctuation>(request, cell, layout, w, s, total.discs);
+    });
     return outcome;
 }
 

@@ -63,6 +63,7 @@ struct Pack {
     friend HWY_INLINE Pack smaller(Pack a, Pack b) { return hn::Min(a.v, b.v); }
     friend HWY_INLINE Pack within(Pack limit, Pack a) { return brought_within(limit.v, a.v); }
     friend HWY_INLINE Pack magnitude(Pack a) { return hn::Abs(a.v); }
+    friend HWY_INLINE Pack root(Pack a) { return hn::Sqrt(a.v); }
     friend HWY_INLINE Pack with_sign_of(Pack a, Pack b) { return hn::CopySign(a.v, b.v); }
     friend HWY_INLINE Pack choose(Mask<T> condition, Pack yes, Pack no) { return hn::IfThenElse(condition.m, yes.v, no.v); }
 };

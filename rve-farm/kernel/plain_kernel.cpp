@@ -1,6 +1,7 @@
 // The plain kernel: the phases of a sub-step on a team, one slot after the other.
 #include "rve-farm/kernel/chunk.hpp"
 #include "rve-farm/kernel/disc_step.hpp"
+#include "rve-farm/kernel/plain_ends.hpp"
 #include "rve-farm/physics/physics_choice.hpp"
 #include "rve-farm/kernel/plain_kernel.hpp"
 
@@ -122,7 +123,10 @@ ChunkOutcome run_phases(const Team& team, const Physics& physics, const ContactL
         stretch.turn_with_the_frame();
     }
     outcome.stretch = stretch;
-    finish(request, clock, cell, law, layout, w, s, booked, std::sqrt(largest_squared), outcome);
+    finish(request, clock, cell, law, s, booked, std::sqrt(largest_squared), displacements_are_finite(w), outcome, [&](ChunkSums& total) {
+        close_contacts(cell, layout, law, w, s, request.give_back, total.contacts);
+        close_discs(request, cell, layout, w, s, total.discs);
+    });
     return outcome;
 }
 

@@ -29,9 +29,10 @@ struct Work {
     Real* inverse_mass; // 1/m, 2/(m r^2): 1/kg, 1/(kg m^2)
     Real* mass;         // kg; only with the fluctuation effect
     Real* force;        // of the contacts that the disc owns, x, y, torque: N, N, N m; only for lanes
+    double* stored;     // rows {x, y, radius, mass} as the state has them: m, kg; only for lanes
     // contacts
     Real* blocks;        // of contact fields
-    Real* contact_force; // rows, and a last one of zeros: {f_x, f_y, torque on the partner, torque on the owner}; only the plain kernel writes the last
+    Real* contact_force; // rows, and a last one of zeros: {f_x, f_y, torque on the partner, torque on the owner}; only the plain kernel needs the last number
     Real* motion;        // ContactMotion of the contacts of some groups, in blocks: only for lanes
     double* booked;      // ledger of the plain kernel: columns of contact slots or disc slots
 
@@ -66,6 +67,7 @@ private:
         place(inverse_mass, 2 * disc_slots, true);
         place(mass, disc_slots, columns.fluctuation);
         place(force, 3 * disc_slots, !plain);
+        place(stored, 4 * disc_slots, !plain);
         place(blocks, (contact_slots >> shift_) * block_size_, true);
         place(contact_force, 4 * contact_slots + 4, true);
         place(motion, motions * most_slots_at_once_, !plain);

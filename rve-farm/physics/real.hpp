@@ -21,6 +21,8 @@ TALIK_HOST_DEVICE Real within(Real limit, Real a) { return smaller(larger(a, -li
 template <std::floating_point Real>
 TALIK_HOST_DEVICE Real with_sign_of(Real a, Real b) { return std::copysign(a, b); }
 template <std::floating_point Real>
+TALIK_HOST_DEVICE Real root(Real a) { return std::sqrt(a); }
+template <std::floating_point Real>
 TALIK_HOST_DEVICE Real choose(bool condition, Real yes, Real no) { return condition ? yes : no; }
 
 // The scalar behind a number: of a pack, what its lanes hold.

@@ -7,13 +7,13 @@ namespace talik::farm {
 // The symmetric part of a sum of dyads, J: divided by a volume it is a stress.
 template <class Real>
 struct Virial {
-    Real xx = 0, yy = 0, xy = 0;
+    Real xx = Real(0), yy = Real(0), xy = Real(0);
 
     // f x b of a contact: f the force on the disc that the branch b points to, N; b, m.
     TALIK_HOST_DEVICE void add_contact(Real force_x, Real force_y, Real branch_x, Real branch_y) {
         xx += force_x * branch_x;
         yy += force_y * branch_y;
-        xy += (force_x * branch_y + force_y * branch_x) / 2;
+        xy += Real(0.5) * (force_x * branch_y + force_y * branch_x);
     }
 
     // m v_f x v_f of a disc: fluctuation velocity, m/s.
