@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "rve-farm/assembly/lattice_reduction.hpp"
@@ -23,11 +25,21 @@ bool before(const Candidate& a, const Candidate& b) {
     return a.image_x < b.image_x;
 }
 
+// A disc, or an image of one across a side of the cell, in its bin.
+struct Binned {
+    double x, y, radius; // m
+    std::int32_t disc;
+    std::int16_t image_x, image_y;
+};
+
 struct Scratch {
-    std::vector<std::int32_t> wrap_x, wrap_y;       // of each disc, in multiples of the cell's columns
-    std::vector<std::int32_t> bin_of, bin_begin, bin_discs; // linked cells
-    std::vector<Candidate> candidates;
-    std::vector<std::byte> column;                   // one column, while it is reordered
+    std::vector<std::int32_t> wrap_x, wrap_y;  // of each disc, in multiples of the cell's columns
+    std::vector<std::int32_t> bin_of, bin_end; // of each disc; of each bin
+    std::vector<Binned> binned;                // bin by bin
+    std::vector<std::int32_t> near;            // those of a row that are
+    std::vector<Candidate> candidates;         // room for more than there are
+    std::size_t found = 0;                     // candidates
+    std::vector<std::byte> column;             // one column, while it is reordered
 };
 
 // A disc and its own image touch in both directions: one of them is the canonical one.
@@ -39,14 +51,15 @@ struct Cell {
     double height_x, height_y; // distance of opposite sides, m
 
     explicit Cell(const AssemblyNumbers& n) : xx(n.cell_xx), xy(n.cell_xy), yx(n.cell_yx), yy(n.cell_yy) {
-        determinant = xx * yy - xy * yx;
+        const double determinant = xx * yy - xy * yx;
         area = std::abs(determinant);
+        inverse = 1 / determinant;
         height_x = area / std::hypot(xy, yy);
         height_y = area / std::hypot(xx, yx);
     }
-    double reduced_x(double x, double y) const { return (yy * x - xy * y) / determinant; }
-    double reduced_y(double x, double y) const { return (xx * y - yx * x) / determinant; }
-    double determinant;
+    double reduced_x(double x, double y) const { return (yy * x - xy * y) * inverse; }
+    double reduced_y(double x, double y) const { return (xx * y - yx * x) * inverse; }
+    double inverse;          // 1 / det H', 1/m^2
 };
 
 void reduce_and_remap(AssemblyView& s) {
@@ -61,6 +74,11 @@ void reduce_and_remap(AssemblyView& s) {
     }
 }
 
+std::int32_t floor_of(double small) {
+    const auto whole = static_cast<std::int32_t>(small);
+    return whole - (small < whole);
+}
+
 // x <- x - H w; the image of a contact takes up the difference, so that its branch stays what it was.
 // False where a disc is not a number, or so far away that its image is none.
 bool wrap_into_the_cell(AssemblyView& s, Scratch& scratch) {
@@ -69,10 +87,11 @@ bool wrap_into_the_cell(AssemblyView& s, Scratch& scratch) {
     scratch.wrap_x.resize(static_cast<std::size_t>(discs));
     scratch.wrap_y.resize(static_cast<std::size_t>(discs));
     for (int i = 0; i < discs; ++i) {
-        const double wx = std::floor(cell.reduced_x(s.x[i], s.y[i])), wy = std::floor(cell.reduced_y(s.x[i], s.y[i]));
-        if (!(std::abs(wx) < farthest_image && std::abs(wy) < farthest_image)) return false;
-        scratch.wrap_x[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(wx);
-        scratch.wrap_y[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(wy);
+        const double reduced_x = cell.reduced_x(s.x[i], s.y[i]), reduced_y = cell.reduced_y(s.x[i], s.y[i]);
+        if (!(std::abs(reduced_x) < farthest_image && std::abs(reduced_y) < farthest_image)) return false;
+        const std::int32_t wx = floor_of(reduced_x), wy = floor_of(reduced_y);
+        scratch.wrap_x[static_cast<std::size_t>(i)] = wx;
+        scratch.wrap_y[static_cast<std::size_t>(i)] = wy;
         if (wx == 0 && wy == 0) continue;
         s.x[i] -= cell.xx * wx + cell.xy * wy;
         s.y[i] -= cell.yx * wx + cell.yy * wy;
@@ -95,26 +114,30 @@ void keep_own_images_canonical(AssemblyView& s) {
     }
 }
 
-bool within_skin(const AssemblyView& s, const Cell& cell, int i, int j, int image_x, int image_y) {
-    const double bx = s.x[j] - s.x[i] + (cell.xx * image_x + cell.xy * image_y);
-    const double by = s.y[j] - s.y[i] + (cell.yx * image_x + cell.yy * image_y);
-    const double reach = s.radius[i] + s.radius[j] + s.numbers->skin;
-    return bx * bx + by * by < reach * reach;
+void make_room(Scratch& scratch, std::size_t for_more) {
+    if (scratch.found + for_more > scratch.candidates.size()) scratch.candidates.resize(2 * (scratch.found + for_more));
+}
+void add(Scratch& scratch, const Candidate& candidate) {
+    make_room(scratch, 1);
+    scratch.candidates[scratch.found++] = candidate;
 }
 
 // All images that could be in reach of a disc: reduced coordinates differ by less than 1.
-void find_by_brute_force(const AssemblyView& s, const Cell& cell, int i, double reach, std::vector<Candidate>& found) {
+void find_by_brute_force(const AssemblyView& s, const Cell& cell, int i, double reach, Scratch& scratch) {
     const int range_x = static_cast<int>(reach / cell.height_x) + 1, range_y = static_cast<int>(reach / cell.height_y) + 1;
     for (int j = i; j < s.disc_count(); ++j)
         for (int image_y = -range_y; image_y <= range_y; ++image_y)
             for (int image_x = -range_x; image_x <= range_x; ++image_x) {
                 if (j == i && !is_canonical_own_image(image_x, image_y)) continue;
-                if (within_skin(s, cell, i, j, image_x, image_y)) found.push_back({i, j, image_x, image_y, -1});
+                const double x = branch_component<double>(s.x[i], s.x[j], cell.xx, cell.xy, image_x, image_y);
+                const double y = branch_component<double>(s.y[i], s.y[j], cell.yx, cell.yy, image_x, image_y);
+                const double near = s.radius[i] + s.radius[j] + s.numbers->skin;
+                if (x * x + y * y < near * near) add(scratch, {i, j, image_x, image_y, -1});
             }
 }
 
-// Bins in reduced coordinates, each at least `reach` wide; three or more along each axis, so that the nine bins around a
-// disc are different ones and each pair is met once.
+// Bins in reduced coordinates, each at least `reach` wide; three or more along each axis, so that each pair is met once. Around
+// them lie bins of the images across the sides of the cell: so the neighbours of a disc lie in three rows of three bins.
 struct Bins {
     int along_x, along_y;
     Bins(const Cell& cell, double reach)
@@ -122,47 +145,63 @@ struct Bins {
           along_y(static_cast<int>(std::min(cell.height_y / reach, 1e3))) {}
     bool usable() const { return along_x >= 3 && along_y >= 3; }
     static int clamp(double reduced, int along) { return std::clamp(static_cast<int>(reduced * along), 0, along - 1); }
-    int count() const { return along_x * along_y; }
+    int row() const { return along_x + 2; }
+    int count() const { return row() * (along_y + 2); }
+    int bin(int x, int y) const { return (y + 1) * row() + x + 1; }
+    // visit(bin, image x, image y) of a disc and of its images.
+    template <class Visitor>
+    void each_image(int own, Visitor&& visit) const {
+        const int x = own % row() - 1, y = own / row() - 1;
+        const int side_x = x == 0 ? 1 : x == along_x - 1 ? -1 : 0, side_y = y == 0 ? 1 : y == along_y - 1 ? -1 : 0;
+        visit(own, 0, 0);
+        if (side_x) visit(own + side_x * along_x, side_x, 0);
+        if (side_y) visit(own + side_y * along_y * row(), 0, side_y);
+        if (side_x && side_y) visit(own + side_x * along_x + side_y * along_y * row(), side_x, side_y);
+    }
 };
 
 void fill_bins(const AssemblyView& s, const Cell& cell, const Bins& bins, Scratch& scratch) {
     const int discs = s.disc_count();
     scratch.bin_of.resize(static_cast<std::size_t>(discs));
-    scratch.bin_discs.resize(static_cast<std::size_t>(discs));
-    scratch.bin_begin.assign(static_cast<std::size_t>(bins.count()) + 1, 0);
+    scratch.bin_end.assign(static_cast<std::size_t>(bins.count()) + 1, 0);
+    std::int32_t* const begin = scratch.bin_end.data() + 1; // of each bin; once it is filled, its end
     for (int i = 0; i < discs; ++i) {
-        const int bin = Bins::clamp(cell.reduced_x(s.x[i], s.y[i]), bins.along_x) +
-                        Bins::clamp(cell.reduced_y(s.x[i], s.y[i]), bins.along_y) * bins.along_x;
-        scratch.bin_of[static_cast<std::size_t>(i)] = bin;
-        ++scratch.bin_begin[static_cast<std::size_t>(bin) + 1];
+        const int own = bins.bin(Bins::clamp(cell.reduced_x(s.x[i], s.y[i]), bins.along_x), Bins::clamp(cell.reduced_y(s.x[i], s.y[i]), bins.along_y));
+        scratch.bin_of[static_cast<std::size_t>(i)] = own;
+        bins.each_image(own, [&](int bin, int, int) { ++begin[bin]; });
     }
-    for (std::size_t b = 0; b + 1 < scratch.bin_begin.size(); ++b) scratch.bin_begin[b + 1] += scratch.bin_begin[b];
-    for (int i = discs - 1; i >= 0; --i) { // from behind: offsets end as begins, discs ascend within a bin
-        auto& end = scratch.bin_begin[static_cast<std::size_t>(scratch.bin_of[static_cast<std::size_t>(i)]) + 1];
-        scratch.bin_discs[static_cast<std::size_t>(--end)] = i;
-    }
-    // After the loop entry b + 1 holds the begin of bin b: shift by one.
-    for (std::size_t b = 0; b + 1 < scratch.bin_begin.size(); ++b) scratch.bin_begin[b] = scratch.bin_begin[b + 1];
-    scratch.bin_begin.back() = discs;
+    std::int32_t before = 0;
+    for (int bin = 0; bin < bins.count(); ++bin) before += std::exchange(begin[bin], before);
+    scratch.binned.resize(static_cast<std::size_t>(before));
+    for (int i = 0; i < discs; ++i)
+        bins.each_image(scratch.bin_of[static_cast<std::size_t>(i)], [&](int bin, int image_x, int image_y) {
+            scratch.binned[static_cast<std::size_t>(begin[bin]++)] = {s.x[i] + (cell.xx * image_x + cell.xy * image_y), s.y[i] + (cell.yx * image_x + cell.yy * image_y), s.radius[i], i,
+                                                                      static_cast<std::int16_t>(image_x), static_cast<std::int16_t>(image_y)};
+        });
 }
 
-void find_by_bins(const AssemblyView& s, const Cell& cell, const Bins& bins, const Scratch& scratch, int i,
-                  std::vector<Candidate>& found) {
+// Without a branch for each: whether a neighbour is near enough nobody can predict.
+void find_by_bins(const AssemblyView& s, const Bins& bins, int i, Scratch& scratch) {
+    const double x = s.x[i], y = s.y[i], reach = s.radius[i] + s.numbers->skin;
+    const std::int32_t* end = scratch.bin_end.data() + 1;
     const int own = scratch.bin_of[static_cast<std::size_t>(i)];
-    const int own_x = own % bins.along_x, own_y = own / bins.along_x;
-    for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx) {
-            int bin_x = own_x + dx, bin_y = own_y + dy, image_x = 0, image_y = 0;
-            if (bin_x < 0) bin_x += bins.along_x, image_x = -1;
-            if (bin_x >= bins.along_x) bin_x -= bins.along_x, image_x = 1;
-            if (bin_y < 0) bin_y += bins.along_y, image_y = -1;
-            if (bin_y >= bins.along_y) bin_y -= bins.along_y, image_y = 1;
-            const auto bin = static_cast<std::size_t>(bin_y * bins.along_x + bin_x);
-            for (int k = scratch.bin_begin[bin]; k < scratch.bin_begin[bin + 1]; ++k) {
-                const int j = scratch.bin_discs[static_cast<std::size_t>(k)];
-                if (j > i && within_skin(s, cell, i, j, image_x, image_y)) found.push_back({i, j, image_x, image_y, -1});
-            }
+    for (int middle : {own - bins.row(), own, own + bins.row()}) {
+        const std::int32_t from = end[middle - 2], to = end[middle + 1];
+        if (static_cast<std::size_t>(to - from) > scratch.near.size()) scratch.near.resize(static_cast<std::size_t>(to - from));
+        const Binned* const binned = scratch.binned.data();
+        std::int32_t* const near = scratch.near.data();
+        int count = 0;
+        for (std::int32_t k = from; k < to; ++k) {
+            const Binned& other = binned[k];
+            const double bx = other.x - x, by = other.y - y, far = other.radius + reach;
+            near[count] = k;
+            count += static_cast<int>(bx * bx + by * by < far * far) & static_cast<int>(other.disc > i);
         }
+        for (int n = 0; n < count; ++n) {
+            const Binned& other = binned[near[n]];
+            add(scratch, {i, other.disc, other.image_x, other.image_y, -1});
+        }
+    }
 }
 
 bool remembers(const AssemblyView& s, const ColumnChoice& columns, int c) {
@@ -170,26 +209,37 @@ bool remembers(const AssemblyView& s, const ColumnChoice& columns, int c) {
 }
 
 // Ties the new candidates of disc i to their old slots; a bonded pair that has left the skin is added again.
-void find_old_slots(const AssemblyView& s, const ColumnChoice& columns, int i, std::size_t begin,
-                    std::vector<Candidate>& found) {
+void find_old_slots(const AssemblyView& s, const ColumnChoice& columns, int i, std::size_t begin, Scratch& scratch) {
     for (int c = s.owned_begin[i]; c < s.owned_begin[i + 1]; ++c) {
         if (!remembers(s, columns, c)) continue;
         const Candidate old{i, s.second[c], s.image_x[c], s.image_y[c], c};
         bool listed = false;
-        for (std::size_t k = begin; k < found.size() && !listed; ++k) {
-            if (found[k].second != old.second || found[k].image_x != old.image_x || found[k].image_y != old.image_y) continue;
-            found[k].old_slot = c;
+        for (std::size_t k = begin; k < scratch.found && !listed; ++k) {
+            Candidate& found = scratch.candidates[k];
+            if (found.second != old.second || found.image_x != old.image_x || found.image_y != old.image_y) continue;
+            found.old_slot = c;
             listed = true;
         }
-        if (!listed && columns.bond && s.bonded[c] != 0) found.push_back(old);
+        if (!listed && columns.bond && s.bonded[c] != 0) add(scratch, old);
+    }
+}
+
+// A handful of them: by insertion.
+void sort(Candidate* begin, Candidate* end) {
+    for (Candidate* next = begin; next < end; ++next) {
+        const Candidate candidate = *next;
+        Candidate* place = next;
+        for (; place > begin && before(candidate, place[-1]); --place) *place = place[-1];
+        *place = candidate;
     }
 }
 
 // Every contact column in the new order; what is new to the list starts at zero.
 void reorder_contacts(AssemblyView& s, const ColumnChoice& columns, Scratch& scratch) {
-    const std::vector<Candidate>& list = scratch.candidates;
+    const std::span<const Candidate> list(scratch.candidates.data(), scratch.found);
+    const auto is_of_the_list = [&](const void* column) { return column == s.first || column == s.second || column == s.image_x || column == s.image_y; };
     for_each_column(s, columns, [&](const char*, const char*, Extent extent, auto*& column, bool present) {
-        if (!present || extent != Extent::contacts) return;
+        if (!present || extent != Extent::contacts || is_of_the_list(column)) return;
         using Entry = std::remove_reference_t<decltype(*column)>;
         const auto old_count = static_cast<std::size_t>(s.contact_count());
         scratch.column.resize(std::max<std::size_t>(1, old_count * sizeof(Entry)));
@@ -214,14 +264,14 @@ bool find_candidates(const AssemblyView& s, const ColumnChoice& columns, Search 
     const Bins bins(cell, reach);
     const bool linked = search != Search::brute_force && bins.usable();
     if (linked) fill_bins(s, cell, bins, scratch);
-    scratch.candidates.clear();
+    scratch.found = 0;
     for (int i = 0; i < s.disc_count(); ++i) {
-        const std::size_t begin = scratch.candidates.size();
-        if (linked) find_by_bins(s, cell, bins, scratch, i, scratch.candidates);
-        else find_by_brute_force(s, cell, i, reach, scratch.candidates);
-        find_old_slots(s, columns, i, begin, scratch.candidates);
-        std::sort(scratch.candidates.begin() + static_cast<std::ptrdiff_t>(begin), scratch.candidates.end(), before);
-        if (scratch.candidates.size() > static_cast<std::size_t>(n.contact_capacity)) return false;
+        const std::size_t begin = scratch.found;
+        if (linked) find_by_bins(s, bins, i, scratch);
+        else find_by_brute_force(s, cell, i, reach, scratch);
+        find_old_slots(s, columns, i, begin, scratch);
+        sort(scratch.candidates.data() + begin, scratch.candidates.data() + scratch.found);
+        if (scratch.found > static_cast<std::size_t>(n.contact_capacity)) return false;
     }
     return true;
 }
