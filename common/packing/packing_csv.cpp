@@ -22,6 +22,15 @@ std::map<long, int> index_of_id(const CsvTable& table) {
     return index;
 }
 
+// Such a pair has no direction to push along.
+void refuse_discs_at_one_place(const CsvTable& table, const Packing& packing) {
+    std::map<std::pair<double, double>, std::size_t> row_at;
+    for (std::size_t row = 0; row < table.rows.size(); ++row) {
+        const auto [there, is_new] = row_at.emplace(std::pair(packing.x[row], packing.y[row]), row);
+        if (!is_new) throw table.fault(row, fmt::format("the disc lies where that of line {} lies", table.lines[there->second]), "give every disc a place of its own");
+    }
+}
+
 void read_cell(const CsvTable& table, Packing& packing) {
     const double thickness = packing.thickness, density = packing.grain_density;
     packing.cell << table.comment_value("cell_h00"), table.comment_value("cell_h01"), table.comment_value("cell_h10"),
@@ -89,6 +98,7 @@ Packing read_packing_csv(const std::string& particles, const std::string& contac
     require(packing.disc_count() > 0, particles + ": holds no disc", "give one row for each disc");
     for (std::size_t row = 0; row < discs.rows.size(); ++row)
         if (!(packing.radius[row] > 0.0)) throw discs.fault(row, "the radius is not positive", "give it in m");
+    refuse_discs_at_one_place(discs, packing);
     if (discs.has("vx") && discs.has("vy") && discs.has("wz")) {
         packing.velocity_x = discs.values("vx");
         packing.velocity_y = discs.values("vy");
