@@ -65,6 +65,8 @@ void SlotLayout::place_contacts(const AssemblyView& s) {
     const auto slots = static_cast<std::size_t>(contact_slots());
     contact.assign(slots, -1);
     turned.assign(slots, 0);
+    image_x.assign(slots, 0);
+    image_y.assign(slots, 0);
     owner.resize(slots);
     partner.resize(slots);
     row.resize(slots);
@@ -83,6 +85,8 @@ void SlotLayout::place_contacts(const AssemblyView& s) {
         const auto at = static_cast<std::size_t>(group_begin[static_cast<std::size_t>(slot / lanes)] + next_[from]++ * lanes + slot % lanes);
         contact[at] = k;
         turned[at] = is_turned;
+        image_x[at] = is_turned ? -s.image_x[k] : s.image_x[k];
+        image_y[at] = is_turned ? -s.image_y[k] : s.image_y[k];
         partner[at] = own_rows[static_cast<std::size_t>(slot_of_disc[to])];
     }
 }

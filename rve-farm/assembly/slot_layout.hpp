@@ -44,6 +44,7 @@ public:
     std::vector<std::int32_t> contact;       // of each contact slot; -1: none
     std::vector<std::int32_t> owner, partner; // of each contact slot, own_rows of its discs; of an inert one twice its own disc
     std::vector<std::int8_t> turned;         // 1: the owner is the contact's `second`
+    std::vector<std::int32_t> image_x, image_y; // of the partner, seen from the owner
     std::vector<std::int32_t> row;           // where the forces of a contact slot are written: 4 * row
     std::vector<std::int32_t> incoming;      // rows of the contacts that come into a disc, 4 * row, by disc slot
     std::vector<std::int32_t> incoming_begin; // of each disc slot, into `incoming`; disc slots + 1

@@ -40,9 +40,9 @@ HWY_INLINE Pack<float> joined(const Wide (&a)[2]) {
     const hn::Half<decltype(d)> half;
     return hn::Combine(d, hn::DemoteTo(half, a[1].v), hn::DemoteTo(half, a[0].v));
 }
-HWY_INLINE Wide from_integers(const std::int32_t* aligned) {
+HWY_INLINE Wide from_integers(const std::int32_t* numbers) {
     const hn::ScalableTag<double> d;
-    return hn::PromoteTo(d, hn::Load(hn::Rebind<std::int32_t, decltype(d)>(), aligned));
+    return hn::PromoteTo(d, hn::LoadU(hn::Rebind<std::int32_t, decltype(d)>(), numbers));
 }
 HWY_INLINE ContactLaw<Wide> widened(const ContactLaw<double>& law) { return {law.normal_stiffness, law.tangential_stiffness, law.friction}; }
 HWY_INLINE CellMotion<Wide> widened(const ChunkMotion& cell) { return cell.as<Wide>(); }
@@ -82,24 +82,13 @@ HWY_INLINE void load_discs(const AssemblyView& s, const SlotLayout& layout, Lane
     }
 }
 
-// What the state has of some contact slots.
-struct StoredSlots {
-    alignas(64) std::int32_t image_x[Wide::lanes], image_y[Wide::lanes]; // seen from the owner
-    alignas(64) double tangential[Wide::lanes], bonded[Wide::lanes], there[Wide::lanes];
-
-    HWY_INLINE StoredSlots(const AssemblyView& s, const std::int32_t* contact, const std::int8_t* turned, bool bonds) {
-        for (int l = 0; l < Wide::lanes; ++l) {
-            const bool is_there = contact[l] >= 0;
-            const int c = is_there ? contact[l] : 0;
-            const std::int32_t sign = 1 - 2 * turned[l];
-            image_x[l] = sign * s.image_x[c];
-            image_y[l] = sign * s.image_y[c];
-            tangential[l] = s.tangential_force[c];
-            bonded[l] = bonds && is_there && s.bonded[c] != 0 ? 1 : 0;
-            there[l] = is_there ? 1 : 0;
-        }
-    }
-};
+// Of a column of the state, what some slots hold; zero for inert ones.
+template <class Entry>
+HWY_INLINE Wide of_slots(const Entry* column, const std::int32_t* index) {
+    alignas(64) double numbers[Wide::lanes];
+    for (int l = 0; l < Wide::lanes; ++l) numbers[l] = index[l] < 0 ? 0 : static_cast<double>(column[index[l]]);
+    return Wide::load(numbers);
+}
 
 // What the owner holds in a register.
 struct StoredOwners {
@@ -127,16 +116,16 @@ HWY_INLINE Virial<double> load_contacts(const AssemblyView& s, const SlotLayout&
             Wide fx[parts<T>], fy[parts<T>], owner_torque[parts<T>], partner_torque[parts<T>];
             for (int p = 0; p < parts<T>; ++p) {
                 const int slot = k + p * Wide::lanes;
-                const StoredSlots stored(s, layout.contact.data() + slot, layout.turned.data() + slot, bonds);
-                const Wide image_x = from_integers(stored.image_x), image_y = from_integers(stored.image_y);
+                const std::int32_t* which = layout.contact.data() + slot;
+                const Wide image_x = from_integers(layout.image_x.data() + slot), image_y = from_integers(layout.image_y.data() + slot);
                 Wide x, y, radius, mass;
                 gather_rows(w.stored, layout.partner.data() + slot, x, y, radius, mass);
-                const auto there = Wide::load(stored.there) > Wide(0); // an inert one: one metre apart, of no size
-                bonded[p] = Wide::load(stored.bonded);
+                const auto there = from_integers(which) > Wide(-0.5); // an inert one: one metre apart, of no size
+                if constexpr (bonds) bonded[p] = of_slots(s.bonded, which);
                 const StoredContact<Wide, Mask<double>> contact{choose(there, branch_component(own[p].x, x, xx, xy, image_x, image_y), Wide(1)),
                                                                 choose(there, branch_component(own[p].y, y, yx, yy, image_x, image_y), Wide(0)),
                                                                 {choose(there, own[p].radius, Wide(0)), choose(there, radius, Wide(0))},
-                                                                Wide::load(stored.tangential),
+                                                                of_slots(s.tangential_force, which),
                                                                 bonded[p] > Wide(0)};
                 const ContactAtStart<Wide> at = contact_at_start(contact, law);
                 nx[p] = at.start.normal_x, ny[p] = at.start.normal_y, inverse_length[p] = at.start.inverse_length, overlap[p] = at.start.overlap;
@@ -200,7 +189,6 @@ HWY_INLINE void close_contacts(const ChunkMotion& cell, const SlotLayout& layout
                 constexpr int p = decltype(which)::value;
                 const std::int32_t* contact = layout.contact.data() + k + p * Wide::lanes;
                 alignas(64) double tangential[Wide::lanes];
-                for (int l = 0; l < Wide::lanes; ++l) tangential[l] = contact[l] < 0 ? 0 : s.tangential_force[contact[l]];
                 const ContactToClose<Wide, Mask<double>> closing{widened<p>(branch.normal_x),
                                                                  widened<p>(branch.normal_y),
                                                                  widened<p>(branch.strain),
@@ -208,7 +196,7 @@ HWY_INLINE void close_contacts(const ChunkMotion& cell, const SlotLayout& layout
                                                                  {widened<p>(at.radii.owner), widened<p>(at.radii.partner)},
                                                                  widened<p>(at.tangential_change),
                                                                  widened<p>(at.moved.rotation_difference),
-                                                                 Wide::load(tangential),
+                                                                 of_slots(s.tangential_force, contact),
                                                                  widened<p>(held) > Wide(0)};
                 close_contact(law, closing, sums).store(tangential);
                 if (!give_back) return;
@@ -258,13 +246,9 @@ HWY_INLINE void close_discs(const ChunkRequest& request, const ChunkMotion& cell
                 const int first = k + p * Wide::lanes;
                 const std::int32_t* disc = layout.disc.data() + first;
                 alignas(64) double x[Wide::lanes], y[Wide::lanes], drift_x[Wide::lanes], drift_y[Wide::lanes];
-                for (int l = 0; l < Wide::lanes; ++l) {
-                    drift_x[l] = disc[l] < 0 ? 0 : s.drift_x[disc[l]];
-                    drift_y[l] = disc[l] < 0 ? 0 : s.drift_y[disc[l]];
-                }
                 StoredDisc<Wide> stored;
                 gather_rows(w.stored, layout.own_rows.data() + first, stored.x, stored.y, stored.radius, stored.mass);
-                stored.drift_x = Wide::load(drift_x), stored.drift_y = Wide::load(drift_y);
+                stored.drift_x = of_slots(s.drift_x, disc), stored.drift_y = of_slots(s.drift_y, disc);
                 const DiscAtEnd<Wide> at{widened<p>(u[0]), widened<p>(u[1]), widened<p>(v[0]), widened<p>(v[1]), widened<p>(v[2]), widened<p>(force[0]), widened<p>(force[1]), widened<p>(force[2])};
                 close_disc(e, at, last_sub_step, fluctuation, stored, sums);
                 if (!request.give_back) return;
