@@ -48,7 +48,7 @@ HWY_INLINE ContactLaw<Wide> widened(const ContactLaw<double>& law) { return {law
 HWY_INLINE CellMotion<Wide> widened(const ChunkMotion& cell) { return cell.as<Wide>(); }
 
 template <class T>
-HWY_INLINE void load_discs(const AssemblyView& s, const SlotLayout& layout, LaneWork<T>& w) {
+HWY_NOINLINE void load_discs(const AssemblyView& s, const SlotLayout& layout, LaneWork<T>& w) {
     using P = Pack<T>;
     const int n = w.disc_slots;
     const std::int32_t *disc = layout.disc.data(), *own_rows = layout.own_rows.data();
@@ -97,7 +97,7 @@ struct StoredOwners {
 
 // Contacts, and the forces of those that discs own; returns the virial of the start, J.
 template <bool ledger, bool bonds, class T>
-HWY_INLINE Virial<double> load_contacts(const AssemblyView& s, const SlotLayout& layout, const ContactLaw<double>& law_of_one, LaneWork<T>& w) {
+HWY_NOINLINE Virial<double> load_contacts(const AssemblyView& s, const SlotLayout& layout, const ContactLaw<double>& law_of_one, LaneWork<T>& w) {
     using P = Pack<T>;
     using F = ContactField;
     const ContactLaw<Wide> law = widened(law_of_one);
@@ -154,14 +154,14 @@ HWY_INLINE Virial<double> load_contacts(const AssemblyView& s, const SlotLayout&
 }
 
 template <class T>
-HWY_INLINE bool displacements_are_finite(const LaneWork<T>& w) {
+HWY_NOINLINE bool displacements_are_finite(const LaneWork<T>& w) {
     Pack<T> sum;
     for (int k = 0; k < 3 * w.disc_slots; k += Pack<T>::lanes) sum += Pack<T>::load(w.moved + k) * Pack<T>(0); // 0, or not a number
     return sum.sum() == 0;
 }
 
 template <bool ledger, bool bonds, class T>
-HWY_INLINE void close_contacts(const ChunkMotion& cell, const SlotLayout& layout, const ContactLaw<double>& law_of_one, const LaneWork<T>& w, AssemblyView& s, bool give_back,
+HWY_NOINLINE void close_contacts(const ChunkMotion& cell, const SlotLayout& layout, const ContactLaw<double>& law_of_one, const LaneWork<T>& w, AssemblyView& s, bool give_back,
                                ContactSums<double>& total) {
     using P = Pack<T>;
     using F = ContactField;
@@ -229,7 +229,7 @@ HWY_INLINE void add_incoming(const T* HWY_RESTRICT rows, const std::int32_t* HWY
 }
 
 template <bool fluctuation, class T>
-HWY_INLINE void close_discs(const ChunkRequest& request, const ChunkMotion& cell, const SlotLayout& layout, const LaneWork<T>& w, AssemblyView& s, DiscSums<double>& total) {
+HWY_NOINLINE void close_discs(const ChunkRequest& request, const ChunkMotion& cell, const SlotLayout& layout, const LaneWork<T>& w, AssemblyView& s, DiscSums<double>& total) {
     using P = Pack<T>;
     const CellMotion<Wide> e = widened(cell);
     const Wide last_sub_step(request.substeps > 0 ? request.sub_step : s.numbers->last_sub_step);
