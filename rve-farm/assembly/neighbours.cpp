@@ -172,7 +172,7 @@ void fill_bins(const AssemblyView& s, const Cell& cell, const Bins& bins, Scratc
     }
     std::int32_t before = 0;
     for (int bin = 0; bin < bins.count(); ++bin) before += std::exchange(begin[bin], before);
-    scratch.binned.resize(static_cast<std::size_t>(before));
+    scratch.binned.resize(std::max(scratch.binned.size(), 4 * static_cast<std::size_t>(discs))); // no disc has more images
     for (int i = 0; i < discs; ++i)
         bins.each_image(scratch.bin_of[static_cast<std::size_t>(i)], [&](int bin, int image_x, int image_y) {
             scratch.binned[static_cast<std::size_t>(begin[bin]++)] = {s.x[i] + (cell.xx * image_x + cell.xy * image_y), s.y[i] + (cell.yx * image_x + cell.yy * image_y), s.radius[i], i,

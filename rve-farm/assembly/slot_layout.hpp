@@ -4,7 +4,7 @@
 // m-th contacts of its discs lie side by side: the owner's side of a contact needs no gather, and padding is under 2 %.
 //
 // Slots: a disc slot is group * lanes + lane; a contact slot is group_begin[group] + m * lanes + lane. Slots without a
-// disc or contact are inert. Depends on the candidate list alone: made anew after a rebuild, never saved.
+// disc or contact are inert. Depends on the candidate list and its images alone: made anew after a rebuild, never saved.
 #include <cstdint>
 #include <vector>
 

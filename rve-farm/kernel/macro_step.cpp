@@ -28,6 +28,7 @@ int substeps_needed(const MacroStep& step) {
 Status make_list(Assembly& rve, LaneShape shape) {
     const Status status = rebuild_neighbours(rve.view(), rve.columns());
     if (status == Status::ok) rve.layout().update(rve.view(), shape);
+    else rve.layout().forget(); // the list stays, but discs may have been wrapped, and images with them
     return status;
 }
 

@@ -1,6 +1,7 @@
 #include "rve-farm/assembly/neighbours.hpp"
 
 #include "common/base/error.hpp"
+#include "rve-farm/kernel/macro_step.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/rve_samples.hpp"
 
@@ -104,6 +105,29 @@ TEST_CASE("a list that there is no room for leaves the skin of the one that stay
     CHECK(rebuild_neighbours(rve.view(), rve.columns()) == Status::contact_list_full);
     n.contact_capacity = room;
     CHECK(n.skin == skin);
+}
+
+TEST_CASE("after a list that there was no room for, the one that stays is walked with the images that the discs now have", "[neighbours]") {
+    const auto stress = [](bool rebuild_in_vain) {
+        Farm farm(RveParameters{}, {samples::disordered(127)}, {0});
+        samples::step(farm, {1e-4, 0, 0, 0}, 1e-3);
+        Assembly& rve = farm.assembly(0);
+        AssemblyView& s = rve.view();
+        s.x[0] += s.numbers->cell_xx, s.y[0] += s.numbers->cell_yx; // the same disc, seen a cell further on: a rebuild wraps it
+        for (int c = 0; c < s.contact_count(); ++c) s.image_x[c] += (s.first[c] == 0) - (s.second[c] == 0);
+        rve.layout().forget();
+        samples::step(farm, {1e-5, 0, 0, 0}, 1e-4);
+        if (rebuild_in_vain) {
+            const std::int64_t room = s.numbers->contact_capacity;
+            s.numbers->contact_capacity = 10;
+            CHECK(make_list(rve, rve.layout().shape) == Status::contact_list_full);
+            s.numbers->contact_capacity = room;
+        }
+        return samples::step(farm, {1e-5, 0, 0, 0}, 1e-4);
+    };
+    const Answer stays = stress(false), wrapped = stress(true);
+    REQUIRE(stays.status == Status::ok);
+    for (int k = 0; k < 3; ++k) CHECK(std::abs(wrapped.stress[k] - stays.stress[k]) < 1e-9 * samples::mean_pressure(stays)); // a rounding of one position
 }
 
 TEST_CASE("a skin many times as wide as the discs is refused", "[neighbours]") {
