@@ -22,11 +22,15 @@ std::map<long, int> index_of_id(const CsvTable& table) {
     return index;
 }
 
-// Such a pair has no direction to push along.
+// Such a pair, or images of it, has no direction to push along.
 void refuse_discs_at_one_place(const CsvTable& table, const Packing& packing) {
-    std::map<std::pair<double, double>, std::size_t> row_at;
+    constexpr double grid = 1e9; // places told apart, along a side of the cell
+    const auto wrapped = [&](double reduced) { return std::lround((reduced - std::floor(reduced)) * grid) % std::lround(grid); };
+    const auto inverse = packing.cell.inverse().eval();
+    std::map<std::pair<long, long>, std::size_t> row_at;
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
-        const auto [there, is_new] = row_at.emplace(std::pair(packing.x[row], packing.y[row]), row);
+        const Vector reduced = inverse * Vector(packing.x[row], packing.y[row]);
+        const auto [there, is_new] = row_at.emplace(std::pair(wrapped(reduced[0]), wrapped(reduced[1])), row);
         if (!is_new) throw table.fault(row, fmt::format("the disc lies where that of line {} lies", table.lines[there->second]), "give every disc a place of its own");
     }
 }

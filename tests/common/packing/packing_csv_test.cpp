@@ -88,6 +88,7 @@ TEST_CASE("a fault in a packing's text is one line with file, line, problem and 
     CHECK_CONTAINS(problem_of("# cell_h00=0.1 cell_h01=0 cell_h10=0 cell_h11=0.1\nx,y,r\n0,0,1\n"), "no column \"radius\"");
     CHECK_CONTAINS(problem_of("x,y,radius\n0,0,1\n"), "no cell_h00");
     CHECK_CONTAINS(problem_of("# cell_h00=0.1 cell_h01=0 cell_h10=0 cell_h11=0.1\nx,y,radius\n0,0,1\n0.01,0,1\n0,0,2\n"), "csv_test_discs.csv:5: the disc lies where that of line 3 lies");
+    CHECK_CONTAINS(problem_of("# cell_h00=0.1 cell_h01=0.02 cell_h10=0 cell_h11=0.1\nx,y,radius\n0,0.03,1\n0.12,0.13,2\n"), ":4: the disc lies where that of line 3 lies");
     CHECK_CONTAINS(problem_of(two_discs, "id1,id2,nx,ny,overlap,ftx,fty\n0,7,1,0,1e-4,0,0\n"), "csv_test_contacts.csv:2: id2 = 7 is no disc");
     CHECK_CONTAINS(problem_of(two_discs, "id1,id2,nx,ny,overlap,ftx,fty\n0,1,0,1,1e-4,0,0\n"), "do not fit the positions");
     CHECK_CONTAINS(problem_of(two_discs, "id1,id2,nx,ny,overlap,ftx,fty\n0,1,2,0,1e-4,0,0\n"), "length is not 1");
